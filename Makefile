@@ -1,0 +1,111 @@
+# Entry points. `make help` lists them; each sets up what is missing and then goes straight to its job.
+
+.DEFAULT_GOAL := help
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+PYTHON := .venv/bin/python
+MPIRUN ?= /usr/bin/mpirun
+SCENES ?= $(wildcard scenes/*.toml)
+
+# --- ranks and threads ----------------------------------------------------------------------
+# One rank: BLAS may use all cores. Several ranks: one thread each, or they fight for the cores.
+NP ?= 1
+ifeq ($(NP),1)
+LAUNCH := $(PYTHON)
+OPENBLAS_NUM_THREADS ?= $(shell nproc)
+else
+LAUNCH := $(MPIRUN) -n $(NP) $(PYTHON)
+OPENBLAS_NUM_THREADS ?= 1
+endif
+export OPENBLAS_NUM_THREADS
+
+# Open MPI takes its options from the environment too, so that an mpirun started by a test gets
+# them as well: may run as root (CI), more ranks than cores is no error, and ranks are not tied to
+# a core (two runs side by side would both be tied to core 0).
+ifeq ($(shell id -u),0)
+export OMPI_ALLOW_RUN_AS_ROOT := 1
+export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
+endif
+export OMPI_MCA_rmaps_base_oversubscribe ?= 1
+export OMPI_MCA_hwloc_base_binding_policy ?= none
+
+# Pictures are drawn off-screen, also when DISPLAY is set to something that does not answer.
+export PYVISTA_OFF_SCREEN ?= true
+export VTK_DEFAULT_OPENGL_WINDOW ?= vtkEGLRenderWindow
+
+# Nothing of the user's own may come before Debian's dolfinx and numpy.
+export PYTHONNOUSERSITE := 1
+unexport PYTHONPATH PYTHONHOME PETSC_DIR PETSC_ARCH SLEPC_DIR
+
+# --- set-up ---------------------------------------------------------------------------------
+# The stamp's name is a hash of what decides the set-up, and of where it is: git changes file
+# times at every checkout, contents only when they change.
+LISTS := packages/debian.txt packages/requirements.txt packages/setup.sh pyproject.toml
+STAMP := .venv/setup-$(shell { pwd; cat $(LISTS); } | sha256sum | cut -c1-16)
+
+.PHONY: help
+help: ## list the targets
+	@echo "make TARGET [NP=2 for two MPI ranks] [SCENES=\"a.toml b.toml\"]"
+	@sed -nE 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
+
+.PHONY: setup
+setup: ## install what is missing: Debian packages (as root, else prints the command), .venv
+	@packages/setup.sh $(STAMP)
+
+$(STAMP):
+	@packages/setup.sh $@
+
+.PHONY: check
+check: $(STAMP) ## versions, BLAS, cores and memory of this machine; what is missing
+	@$(PYTHON) packages/check.py
+
+.PHONY: lock
+lock: $(STAMP) ## pin packages/requirements.in anew (after editing it)
+	@packages/lock.sh
+
+# --- tests ----------------------------------------------------------------------------------
+.PHONY: lint
+lint: $(STAMP) ## ruff and mypy
+	$(PYTHON) -m ruff check .
+	$(PYTHON) -m ruff format --check .
+	$(PYTHON) -m mypy analytical meshes solvers studies tests packages/check.py
+
+.PHONY: format
+format: $(STAMP) ## let ruff fix and format what it can
+	$(PYTHON) -m ruff check --fix .
+	$(PYTHON) -m ruff format .
+
+.PHONY: test
+test: check ## the quick tests
+	$(PYTHON) -m pytest -q -m "not slow"
+
+.PHONY: test-slow
+test-slow: check ## the slow tests
+	$(PYTHON) -m pytest -q -m slow
+
+# --- studies --------------------------------------------------------------------------------
+.PHONY: study
+study: check ## the whole validation study -> results/study
+	$(LAUNCH) -m studies study --out results/study
+
+.PHONY: study-smoke
+study-smoke: check ## the same on the coarsest meshes, in minutes -> results/study-smoke
+	$(LAUNCH) -m studies study --smoke --out results/study-smoke
+
+.PHONY: batch
+batch: check ## run SCENES (default scenes/*.toml) -> results/batch
+	$(LAUNCH) -m studies batch $(SCENES) --out results/batch
+
+.PHONY: report
+report: check ## render the report of results/study again from its rows
+	$(PYTHON) -m studies report results/study
+
+# --- tidying --------------------------------------------------------------------------------
+.PHONY: clean
+clean: ## remove results and caches, keep .venv
+	rm -rf results build *.egg-info .pytest_cache .mypy_cache .ruff_cache
+	find . -name .venv -prune -o -name __pycache__ -type d -exec rm -rf {} +
+
+.PHONY: distclean
+distclean: clean ## also remove .venv
+	rm -rf .venv

@@ -1,0 +1,229 @@
+"""Exact thick-walled tube under pressure at a prescribed axial stretch: incompressible, any isotropic law.
+
+Reference radii R in [A, B], axial stretch lz. Incompressibility gives r^2 = a^2 + (R^2 - A^2) / lz, so one
+number, the deformed inner radius a, fixes the whole deformation: l_theta = r / R, l_r = R / (lz r). Radial
+equilibrium, eq. (5) of Heung et al. 2024 (DOI 10.3390/biomimetics9030160), gives the pressure:
+
+    P(a) = int_{r(A)}^{r(B)} (sigma_theta - sigma_r) / r dr
+
+`pressure` means inside minus outside throughout. Stresses are given for a free outer surface; an outer
+pressure adds itself, as a hydrostatic pressure, to all of them. Plane strain is lz = 1.
+Units: mm, N, MPa.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq
+
+from analytical.materials import FloatArray, Law
+
+# Gauss-Legendre points on [-1, 1]. In the variable chosen in _quadrature the integrands are analytic in a
+# strip of half-width pi/2, so 48 points are at round-off for walls up to B/A = 100.
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(48)
+
+# The search for a radius takes steps this small so that it meets the first of several solutions,
+_SEARCH_RATIO = 1.05
+# and gives up outside this range of a/A: no elastomer goes there.
+_INNER_STRETCH_RANGE = (0.02, 50.0)
+
+
+class TubeError(ValueError):
+    """A tube that cannot exist, or a pressure it cannot carry; the message names value and remedy."""
+
+
+@dataclass(frozen=True)
+class Tube:
+    """Undeformed tube and its axial stretch.
+
+    Parameters
+    ----------
+    inner_radius_mm, outer_radius_mm
+        Undeformed radii A < B, mm.
+    axial_stretch
+        Prescribed axial stretch lz; 1 is plane strain.
+    """
+
+    inner_radius_mm: float
+    outer_radius_mm: float
+    axial_stretch: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.inner_radius_mm < self.outer_radius_mm < math.inf:
+            raise TubeError(
+                f"radii {self.inner_radius_mm:g}, {self.outer_radius_mm:g} mm: need 0 < inner < outer < inf"
+            )
+        if not 0.0 < self.axial_stretch < math.inf:
+            raise TubeError(f"axial_stretch = {self.axial_stretch:g} must be positive; 1 is plane strain")
+
+
+def deformed_radius_mm(tube: Tube, inner_mm: float, radius_mm: ArrayLike) -> FloatArray:
+    """Deformed radius r of the particles at undeformed radius R, mm; shape of `radius_mm`."""
+    _require_bore(inner_mm)
+    area = np.asarray(radius_mm, dtype=float) ** 2 - tube.inner_radius_mm**2
+    return np.asarray(np.sqrt(inner_mm**2 + area / tube.axial_stretch))
+
+
+def radial_displacement_mm(tube: Tube, inner_mm: float, radius_mm: ArrayLike) -> FloatArray:
+    """Radial displacement u = r - R at undeformed radius R, mm; shape of `radius_mm`."""
+    return np.asarray(deformed_radius_mm(tube, inner_mm, radius_mm) - np.asarray(radius_mm, dtype=float))
+
+
+def inner_radius_at_outer_mm(tube: Tube, outer_mm: float) -> float:
+    """Deformed inner radius a at which the outer radius is `outer_mm`, mm."""
+    wall_area = (tube.outer_radius_mm**2 - tube.inner_radius_mm**2) / tube.axial_stretch
+    if outer_mm**2 <= wall_area:
+        raise TubeError(
+            f"deformed outer radius {outer_mm:g} mm leaves no bore: the wall alone fills "
+            f"{math.sqrt(wall_area):g} mm"
+        )
+    return math.sqrt(outer_mm**2 - wall_area)
+
+
+def pressure_at_inner_radius_mpa(tube: Tube, law: Law, inner_mm: float) -> float:
+    """Pressure P (inside minus outside) that holds the inner radius at a, MPa."""
+    radius, deformed, weight = _quadrature(tube, inner_mm, tube.inner_radius_mm)
+    return float(np.sum(weight * _hoop_minus_radial(tube, law, radius, deformed)))
+
+
+def inner_radius_at_pressure_mm(tube: Tube, law: Law, pressure_mpa: float) -> float:
+    """Deformed inner radius a at the pressure `pressure_mpa` (inside minus outside), mm.
+
+    The first solution met when the tube is inflated (or, for a negative pressure, collapsed) from the
+    unpressurised state at its axial stretch.
+
+    Raises
+    ------
+    TubeError
+        If no inner stretch between 0.02 and 50 carries the pressure; some laws (neo-Hooke among them) have
+        a largest pressure.
+    """
+    if not math.isfinite(pressure_mpa):
+        raise TubeError(f"pressure = {pressure_mpa} MPa is not a finite number")
+    # Radially free: with lr = lt = lz^-1/2 everywhere both stresses are equal and the pressure is zero.
+    start = tube.inner_radius_mm / math.sqrt(tube.axial_stretch)
+    # Up to round-off, which is what is left of the pressure there.
+    if abs(pressure_mpa) <= abs(pressure_at_inner_radius_mpa(tube, law, start)):
+        return start
+    low, high = (bound * tube.inner_radius_mm for bound in _INNER_STRETCH_RANGE)
+    ratio = _SEARCH_RATIO if pressure_mpa > 0.0 else 1.0 / _SEARCH_RATIO
+    largest, near, far = 0.0, start, start * ratio
+    while low < far < high:
+        reached = pressure_at_inner_radius_mpa(tube, law, far)
+        if abs(reached) >= abs(pressure_mpa) and reached * pressure_mpa > 0.0:
+            root = brentq(
+                lambda a: pressure_at_inner_radius_mpa(tube, law, a) - pressure_mpa,
+                near,
+                far,
+                xtol=1e-14 * tube.inner_radius_mm,
+                rtol=4.0 * np.finfo(float).eps,
+            )
+            return float(root)
+        largest = max(largest, abs(reached))
+        near, far = far, far * ratio
+    raise TubeError(
+        f"pressure {pressure_mpa:g} MPa is beyond what {law} carries in this tube (largest met: {largest:g} "
+        "MPa in size): prescribe the inner radius instead"
+    )
+
+
+def cauchy_stress_mpa(
+    tube: Tube, law: Law, inner_mm: float, radius_mm: ArrayLike
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Cauchy stresses (sigma_r, sigma_theta, sigma_z) at undeformed radius R, free outer surface.
+
+    Parameters
+    ----------
+    inner_mm
+        Deformed inner radius a, mm.
+    radius_mm
+        Undeformed radii R in [A, B], mm, any shape.
+
+    Returns
+    -------
+    tuple of FloatArray
+        Three arrays of the shape of `radius_mm`, MPa.
+    """
+    at = np.asarray(radius_mm, dtype=float)
+    radius, deformed, weight = _quadrature(tube, inner_mm, at)
+    radial = -np.sum(weight * _hoop_minus_radial(tube, law, radius, deformed), axis=-1)
+    here = deformed_radius_mm(tube, inner_mm, at)
+    hoop = radial + _hoop_minus_radial(tube, law, at, here)
+    axial = radial + _axial_minus_radial(tube, law, at, here)
+    return np.asarray(radial), np.asarray(hoop), np.asarray(axial)
+
+
+def hydrostatic_pressure_mpa(tube: Tube, law: Law, inner_mm: float, radius_mm: ArrayLike) -> FloatArray:
+    """Hydrostatic pressure -tr(sigma)/3 at undeformed radius R, MPa, positive in compression.
+
+    Minus the pressure multiplier of a mixed element whose energy is split, W(J^(-1/3) F) + p (J - 1).
+    """
+    radial, hoop, axial = cauchy_stress_mpa(tube, law, inner_mm, radius_mm)
+    return -(radial + hoop + axial) / 3.0
+
+
+def axial_force_n(tube: Tube, law: Law, inner_mm: float) -> float:
+    """Axial force 2 pi int sigma_z r dr carried by the wall, N, positive in tension (free outer surface).
+
+    This is what the ends must apply if the pressure acts on the lateral wall only (plane strain between
+    fixed ends). With end caps that the pressure pushes on, the grip holds this less pi a^2 P.
+    """
+    radius, deformed, weight = _quadrature(tube, inner_mm, tube.inner_radius_mm)
+    hoop = _hoop_minus_radial(tube, law, radius, deformed)
+    axial = _axial_minus_radial(tube, law, radius, deformed)
+    # int sigma_r 2 r dr by parts, with sigma_r = -P inside and 0 outside, saves the inner quadrature.
+    pressure = np.sum(weight * hoop)
+    return float(math.pi * (pressure * inner_mm**2 + np.sum(weight * deformed**2 * (2.0 * axial - hoop))))
+
+
+def stored_energy_n(tube: Tube, law: Law, inner_mm: float) -> float:
+    """Stored energy per unit undeformed length, mJ/mm = N.
+
+    Its derivative with respect to the enclosed area pi a^2 lz (at fixed lz) is the pressure, and with
+    respect to lz (at fixed a) the axial force: the second route to both.
+    """
+    radius, deformed, weight = _quadrature(tube, inner_mm, tube.inner_radius_mm)
+    hoop = deformed / radius
+    energy = law.energy(1.0 / (hoop * tube.axial_stretch), hoop, tube.axial_stretch)
+    # 2 pi R dR = 2 pi lz r^2 d(ln r)
+    return float(2.0 * math.pi * tube.axial_stretch * np.sum(weight * deformed**2 * energy))
+
+
+def _require_bore(inner_mm: float) -> None:
+    if not 0.0 < inner_mm < math.inf:
+        raise TubeError(f"deformed inner radius = {inner_mm:g} mm must be positive")
+
+
+def _hoop_minus_radial(tube: Tube, law: Law, radius_mm: ArrayLike, deformed_mm: ArrayLike) -> FloatArray:
+    hoop = np.asarray(deformed_mm) / np.asarray(radius_mm)
+    return law.stress_difference(hoop, 1.0 / (hoop * tube.axial_stretch), tube.axial_stretch)
+
+
+def _axial_minus_radial(tube: Tube, law: Law, radius_mm: ArrayLike, deformed_mm: ArrayLike) -> FloatArray:
+    hoop = np.asarray(deformed_mm) / np.asarray(radius_mm)
+    return law.stress_difference(tube.axial_stretch, 1.0 / (hoop * tube.axial_stretch), hoop)
+
+
+def _quadrature(
+    tube: Tube, inner_mm: float, from_radius_mm: ArrayLike
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Points R, r and weights of d(ln r) from undeformed radius `from_radius_mm` to B; shape (..., 48)."""
+    begin = np.asarray(from_radius_mm, dtype=float)[..., None]
+    a, inner, stretch = inner_mm, tube.inner_radius_mm, tube.axial_stretch
+    deformed_begin = deformed_radius_mm(tube, a, begin)
+    # R^2 - lz r^2 is the same for all particles. Negative (inflated): as a function of ln R, r vanishes only
+    # pi/2 away from the real axis. Positive (collapsed): R does, as a function of ln r.
+    if stretch * a**2 >= inner**2:
+        half = 0.5 * np.log(tube.outer_radius_mm / begin)
+        radius = begin * np.exp(half * (1.0 + _POINTS))
+        deformed = deformed_radius_mm(tube, a, radius)
+        return radius, deformed, half * _WEIGHTS * radius**2 / (stretch * deformed**2)
+    deformed_outer = deformed_radius_mm(tube, a, tube.outer_radius_mm)
+    half = 0.5 * np.log(deformed_outer / deformed_begin)
+    deformed = deformed_begin * np.exp(half * (1.0 + _POINTS))
+    radius = np.sqrt(inner**2 + stretch * (deformed**2 - a**2))
+    return radius, deformed, half * _WEIGHTS

@@ -1,0 +1,282 @@
+"""The outline of a bellows: wall centreline of flats and arcs, collars, solid end cap.
+
+Axial coordinate z runs from the clamped proximal end (z = 0) to the distal face. Crest 0 is centred at
+z = collar; crests and roots alternate every half pitch. The paper (doi 10.3390/biomimetics9030160) prints
+only names of dimensions; which surface a radius belongs to is this project's choice and is stated below.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.errors import GeometryError
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BellowsShape:
+    """Dimensions of a bellows with a solid end cap, all in mm.
+
+    Attributes
+    ----------
+    root_radius_mm, crest_radius_mm
+        Cavity-side radii R_i at the roots and R_p at the crests.
+    wall_mm
+        Wall thickness t, measured normal to the wall.
+    half_pitch_mm
+        Axial distance e from a crest's middle to the next root's middle.
+    convolutions
+        Number n of roots; there are n + 1 crests, each with a ring seat.
+    collar_mm
+        Straight length beyond the middle of the first and the last crest.
+    seat_mm
+        Axial width of the cylindrical ring seat at each crest (r = R_p + t on the outside).
+    fillet_mm
+        Radius of every concave surface (cavity side at crests and cap, outside at roots).
+    cap_mm
+        Thickness of the end cap.
+    """
+
+    root_radius_mm: float
+    crest_radius_mm: float
+    wall_mm: float
+    half_pitch_mm: float
+    convolutions: int
+    collar_mm: float
+    seat_mm: float
+    fillet_mm: float
+    cap_mm: float
+
+    @property
+    def centreline_radius_mm(self) -> float:
+        """Radius of the centreline's arcs: a concave surface of radius ``fillet_mm`` half a wall away."""
+        return self.fillet_mm + 0.5 * self.wall_mm
+
+    @property
+    def crest_positions_mm(self) -> FloatArray:
+        """Axial positions of the crests' middles, shape (n + 1,)."""
+        return self.collar_mm + 2.0 * self.half_pitch_mm * np.arange(self.convolutions + 1)
+
+    @property
+    def cavity_length_mm(self) -> float:
+        """Distance from the inlet plane z = 0 to the cap's cavity side."""
+        return 2.0 * self.collar_mm + 2.0 * self.half_pitch_mm * self.convolutions
+
+    @property
+    def seat_radius_mm(self) -> float:
+        """Outer radius of the ring seats."""
+        return self.crest_radius_mm + self.wall_mm
+
+
+@dataclass(frozen=True)
+class Segment:
+    """One smooth piece of the band between cavity side and outside.
+
+    Attributes
+    ----------
+    kind
+        ``collar``, ``seat``, ``crest``, ``side``, ``root``, ``corner`` or ``cap``.
+    length_mm
+        Length of its centreline, for choosing the number of cells.
+    angle_rad
+        Angle it turns through (0 for straight pieces).
+    inner, outer
+        Arrays (m, 2) of (r, z) sampled by ``stations``; stored as callables of the fraction in [0, 1].
+    index
+        Number of the crest (seat) or root it belongs to.
+    """
+
+    kind: str
+    length_mm: float
+    angle_rad: float
+    start: tuple[float, float]
+    wall_mm: float
+    tangent_start_rad: float
+    tangent_end_rad: float
+    index: int
+
+    def band(self, fraction: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Points on the cavity side and on the outside.
+
+        Parameters
+        ----------
+        fraction
+            Positions along the piece in [0, 1], shape (m,).
+
+        Returns
+        -------
+        inner, outer
+            Arrays of shape (m, 2), columns (r, z) in mm.
+        """
+        r0, z0 = self.start
+        tangent = self.tangent_start_rad + fraction * (self.tangent_end_rad - self.tangent_start_rad)
+        turn = self.tangent_end_rad - self.tangent_start_rad
+        if turn == 0.0:
+            r = r0 - fraction * self.length_mm * math.sin(self.tangent_start_rad)
+            z = z0 + fraction * self.length_mm * math.cos(self.tangent_start_rad)
+        else:
+            radius = self.length_mm / turn
+            r = r0 + radius * (np.cos(tangent) - math.cos(self.tangent_start_rad))
+            z = z0 + radius * (np.sin(tangent) - math.sin(self.tangent_start_rad))
+        centre = np.column_stack([r, z])
+        normal = np.column_stack([np.cos(tangent), np.sin(tangent)])
+        return centre - 0.5 * self.wall_mm * normal, centre + 0.5 * self.wall_mm * normal
+
+
+def side_angle(shape: BellowsShape) -> float:
+    """Inclination of the straight side to the axis, so that flats, arcs and side fill half a pitch.
+
+    Solves, with arcs of centreline radius rho on both ends and a side of length L,
+    ``2 rho sin(phi) + L cos(phi) = e - w/2`` and ``2 rho (1 - cos(phi)) + L sin(phi) = R_p - R_i``.
+
+    Returns
+    -------
+    float
+        phi in radians, in (0, pi/2].
+
+    Raises
+    ------
+    GeometryError
+        If no angle up to 90 degrees fits, naming the violated inequality.
+    """
+    rho = shape.centreline_radius_mm
+    room = shape.half_pitch_mm - 0.5 * shape.seat_mm
+    drop = shape.crest_radius_mm - shape.root_radius_mm
+    if room < 2.0 * rho - 1e-12:
+        raise GeometryError(
+            f"half_pitch_mm = {shape.half_pitch_mm:g} leaves {room:g} mm beside half a seat; two arcs need "
+            f"half_pitch >= seat/2 + 2 fillet + wall = {0.5 * shape.seat_mm + 2.0 * rho:g} mm: lengthen the "
+            "pitch, or take a narrower seat, a smaller fillet or a thinner wall"
+        )
+    if drop < 2.0 * rho - 1e-12:
+        raise GeometryError(
+            f"crest_radius_mm - root_radius_mm = {drop:g} mm is less than two arcs need, "
+            f"2 fillet + wall = {2.0 * rho:g} mm: take deeper convolutions, a smaller fillet or a thinner wall"
+        )
+
+    def excess(phi: float) -> float:
+        length = (drop - 2.0 * rho * (1.0 - math.cos(phi))) / math.sin(phi)
+        return 2.0 * rho * math.sin(phi) + length * math.cos(phi) - room
+
+    if excess(0.5 * math.pi) > -1e-12:
+        return 0.5 * math.pi
+    low, high = 1e-6, 0.5 * math.pi
+    for _ in range(200):  # bisection to the last bit: the function falls from +inf to a negative value
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if excess(middle) > 0.0 else (low, middle)
+    return 0.5 * (low + high)
+
+
+def check_shape(shape: BellowsShape) -> None:
+    """Refuse a shape that cannot be built.
+
+    Raises
+    ------
+    GeometryError
+        Naming the value and the violated inequality.
+    """
+    positive = ("root_radius_mm", "wall_mm", "half_pitch_mm", "collar_mm", "fillet_mm", "cap_mm")
+    for name in positive:
+        value = getattr(shape, name)
+        if not (math.isfinite(value) and value > 0.0):
+            raise GeometryError(f"{name} = {value}: must be a finite length > 0 mm")
+    if shape.crest_radius_mm <= shape.root_radius_mm:
+        raise GeometryError(
+            f"crest_radius_mm = {shape.crest_radius_mm:g} must exceed root_radius_mm = {shape.root_radius_mm:g}"
+        )
+    if shape.collar_mm < 0.5 * shape.seat_mm + shape.fillet_mm:
+        raise GeometryError(
+            f"collar_mm = {shape.collar_mm:g} must be at least seat/2 + fillet = "
+            f"{0.5 * shape.seat_mm + shape.fillet_mm:g} mm, so that the first and last seats fit"
+        )
+    if shape.fillet_mm >= shape.crest_radius_mm:
+        raise GeometryError(
+            f"fillet_mm = {shape.fillet_mm:g} must be less than crest_radius_mm = {shape.crest_radius_mm:g}"
+        )
+    side_angle(shape)
+
+
+def wall_segments(shape: BellowsShape) -> list[Segment]:
+    """The wall from the clamped end to the start of the cap's corner, piece by piece.
+
+    Returns
+    -------
+    list of Segment
+        In order of the centreline's arc length; neighbouring pieces share their end points and tangents.
+    """
+    phi = side_angle(shape)
+    rho = shape.centreline_radius_mm
+    t, half_seat = shape.wall_mm, 0.5 * shape.seat_mm
+    crest_r = shape.crest_radius_mm + 0.5 * t
+    drop = shape.crest_radius_mm - shape.root_radius_mm
+    side_length = (drop - 2.0 * rho * (1.0 - math.cos(phi))) / math.sin(phi)
+
+    segments: list[Segment] = []
+    position = (crest_r, 0.0)
+
+    def add(kind: str, length: float, angle_0: float, angle_1: float, index: int) -> None:
+        nonlocal position
+        if length <= 1e-9:
+            return
+        piece = Segment(kind, length, abs(angle_1 - angle_0), position, t, angle_0, angle_1, index)
+        inner, outer = piece.band(np.array([1.0]))
+        centre = 0.5 * (inner[0] + outer[0])
+        position = (float(centre[0]), float(centre[1]))
+        segments.append(piece)
+
+    add("collar", shape.collar_mm - half_seat, 0.0, 0.0, 0)
+    add("seat", half_seat, 0.0, 0.0, 0)
+    for k in range(shape.convolutions):
+        add("seat", half_seat, 0.0, 0.0, k)
+        add("crest", rho * phi, 0.0, phi, k)
+        add("side", side_length, phi, phi, k)
+        add("root", rho * phi, phi, 0.0, k)
+        add("root", rho * phi, 0.0, -phi, k)
+        add("side", side_length, -phi, -phi, k)
+        add("crest", rho * phi, -phi, 0.0, k + 1)
+        add("seat", half_seat, 0.0, 0.0, k + 1)
+    add("seat", half_seat, 0.0, 0.0, shape.convolutions)
+    add("collar", shape.collar_mm - half_seat - shape.fillet_mm, 0.0, 0.0, shape.convolutions)
+    return segments
+
+
+def corner_band(shape: BellowsShape, fraction: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The band from the wall's end round the cavity's filleted corner into the cap.
+
+    The cavity side is a quarter circle of radius ``fillet_mm``; the outside runs up to the distal edge,
+    reached at fraction 0.5, and then along the distal face.
+
+    Returns
+    -------
+    inner, outer
+        Arrays of shape (m, 2), columns (r, z) in mm.
+    """
+    f, t, crest = shape.fillet_mm, shape.wall_mm, shape.crest_radius_mm
+    z_cap = shape.cavity_length_mm
+    angle = 0.5 * math.pi * fraction
+    inner = np.column_stack([crest - f + f * np.cos(angle), z_cap - f + f * np.sin(angle)])
+    up = np.minimum(2.0 * fraction, 1.0)
+    across = np.maximum(2.0 * fraction - 1.0, 0.0)
+    outer = np.column_stack([crest + t - across * (t + f), z_cap - f + up * (f + shape.cap_mm)])
+    return inner, outer
+
+
+def cap_band(shape: BellowsShape, fraction: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The flat part of the cap from the corner (fraction 0) to the axis (fraction 1).
+
+    Returns
+    -------
+    inner, outer
+        Arrays of shape (m, 2), columns (r, z) in mm.
+    """
+    r = (shape.crest_radius_mm - shape.fillet_mm) * (1.0 - fraction)
+    z_cap = shape.cavity_length_mm
+    return (
+        np.column_stack([r, np.full_like(r, z_cap)]),
+        np.column_stack([r, np.full_like(r, z_cap + shape.cap_mm)]),
+    )

@@ -1,0 +1,277 @@
+"""The meridian mesh of a bellows: a structured band split into curved quadratic triangles, plus rings.
+
+The wall and the cap are one band of stations along the outline, each with layers from the cavity side to the
+outside. The band's nine-node quadrilaterals are split along one diagonal, so a mesh of swept quadrilaterals
+and a mesh of simplices share all nodes. Meshed rings are triangulated by gmsh and joined node to node.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshes.bellows import (
+    BellowsShape,
+    FloatArray,
+    cap_band,
+    check_shape,
+    corner_band,
+    wall_segments,
+)
+from meshes.errors import GeometryError
+from meshes.ring import RingShape, ring_triangles
+from meshes.solid import FACETS, REGIONS, TRIANGLE_EDGES, IntArray, SolidMesh
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """How fine a meridian is; one level finer doubles every count, so that levels are nested.
+
+    Attributes
+    ----------
+    through
+        Cells through the wall.
+    cell_mm
+        Largest cell length along straight pieces.
+    arc_rad
+        Largest angle a cell turns through along arcs.
+    cap_cells
+        Cells along the flat part of the cap.
+    refinement
+        Factor on all counts: 1, 2, 4, ...
+    """
+
+    through: int = 2
+    cell_mm: float = 1.0
+    arc_rad: float = math.pi / 6
+    cap_cells: int = 4
+    refinement: int = 1
+
+
+@dataclass(frozen=True)
+class Band:
+    """Stations along the outline (with mid-stations) and what each interval between them is.
+
+    ``inner`` and ``outer`` have shape (2 m + 1, 2) for m intervals; ``kinds`` and ``index`` have length m.
+    """
+
+    inner: FloatArray
+    outer: FloatArray
+    kinds: tuple[str, ...]
+    index: tuple[int, ...]
+
+
+def bellows_band(shape: BellowsShape, resolution: Resolution) -> Band:
+    """Stations of the whole band from the clamped end to the axis of the cap."""
+    inner: list[FloatArray] = []
+    outer: list[FloatArray] = []
+    kinds: list[str] = []
+    index: list[int] = []
+
+    def add(kind: str, count: int, number: int, band) -> None:  # type: ignore[no-untyped-def]
+        first = 1 if inner else 0  # neighbours share their end station
+        fraction = np.linspace(0.0, 1.0, 2 * count + 1)[first:]
+        side_in, side_out = band(fraction)
+        inner.append(side_in)
+        outer.append(side_out)
+        kinds.extend([kind] * count)
+        index.extend([number] * count)
+
+    factor = resolution.refinement
+    for piece in wall_segments(shape):
+        by_length = math.ceil(piece.length_mm / resolution.cell_mm - 1e-9)
+        by_angle = math.ceil(piece.angle_rad / resolution.arc_rad - 1e-9)
+        count = by_angle if piece.angle_rad > 0.0 else by_length
+        add(piece.kind, max(1, count) * factor, piece.index, piece.band)
+    add("corner", 4 * factor, shape.convolutions, lambda s: corner_band(shape, s))
+    add("cap", resolution.cap_cells * factor, shape.convolutions, lambda s: cap_band(shape, s))
+    inner_all, outer_all = np.vstack(inner), np.vstack(outer)
+    inner_all[-1, 0] = outer_all[-1, 0] = 0.0  # exactly on the axis: revolved nodes there must coincide
+    return Band(inner_all, outer_all, tuple(kinds), tuple(index))
+
+
+def _split_quads(quads: IntArray, corner_nodes: IntArray, points: FloatArray) -> tuple[IntArray, IntArray]:
+    """Split nine-node quadrilaterals into two six-node triangles each, along the diagonal that suits.
+
+    A diagonal through a corner of the outline is taken, so that no triangle has all its corners on the
+    boundary; otherwise the shorter one.
+
+    Parameters
+    ----------
+    quads
+        Shape (m, 9): lattice order, node 3 i + j at station i and layer j of (0, 1, 2).
+    corner_nodes
+        Nodes at which two boundary edges of one quadrilateral meet.
+
+    Returns
+    -------
+    triangles, parents
+        Shapes (2 m, 6) and (2 m,).
+    """
+    a, b, c, d = quads[:, 0], quads[:, 6], quads[:, 8], quads[:, 2]  # corners in turn; diagonals a-c, b-d
+    length_ac = np.linalg.norm(points[a] - points[c], axis=1)
+    length_bd = np.linalg.norm(points[b] - points[d], axis=1)
+    use_ac = length_ac <= length_bd * (1.0 + 1e-9)
+    use_ac[np.isin(a, corner_nodes) | np.isin(c, corner_nodes)] = True
+    use_ac[np.isin(b, corner_nodes) | np.isin(d, corner_nodes)] = False
+
+    # Lattice positions of the six nodes (three corners, then the mid-edge nodes of TRIANGLE_EDGES).
+    with_ac = ((0, 6, 8, 7, 4, 3), (0, 8, 2, 5, 1, 4))
+    with_bd = ((0, 6, 2, 4, 1, 3), (6, 8, 2, 5, 4, 7))
+    triangles = np.empty((len(quads), 2, 6), dtype=np.int64)
+    for k in range(2):
+        triangles[use_ac, k] = quads[use_ac][:, with_ac[k]]
+        triangles[~use_ac, k] = quads[~use_ac][:, with_bd[k]]
+    return triangles.reshape(-1, 6), np.repeat(np.arange(len(quads)), 2)
+
+
+def meridian_mesh(shape: BellowsShape, resolution: Resolution, ring: RingShape | None = None) -> SolidMesh:
+    """Mesh the meridian of a bellows.
+
+    Parameters
+    ----------
+    shape
+        The dimensions; checked first.
+    resolution
+        The cell counts.
+    ring
+        Cross-section of rings to mesh and join to every seat; None leaves the seats as named surfaces.
+
+    Returns
+    -------
+    SolidMesh
+        Quadratic triangles in (r, z).
+
+    Raises
+    ------
+    GeometryError
+        If the shape cannot be built, or the mesh of it has a cell that is folded over.
+    """
+    check_shape(shape)
+    band = bellows_band(shape, resolution)
+    layers = 2 * resolution.through * resolution.refinement + 1
+    stations = len(band.inner)
+    weight = np.linspace(0.0, 1.0, layers)[None, :, None]
+    points = ((1.0 - weight) * band.inner[:, None, :] + weight * band.outer[:, None, :]).reshape(-1, 2)
+    points[np.abs(points[:, 0]) < 1e-12, 0] = 0.0
+    node = np.arange(stations * layers).reshape(stations, layers)
+
+    quads = np.stack(
+        [node[i : stations - 2 + i : 2, j : layers - 2 + j : 2] for i in range(3) for j in range(3)], axis=-1
+    ).reshape(-1, 9)
+    rows = layers // 2  # quadrilaterals through the wall
+    kinds = np.array(band.kinds)
+    quad_regions = np.where(np.isin(kinds, ("corner", "cap")), REGIONS["cap"], REGIONS["elastomer"])
+
+    ends = node[[0, 0, -1, -1], [0, -1, 0, -1]]
+    cells, parents = _split_quads(quads, ends, points)
+    regions = np.repeat(quad_regions, rows)[parents]
+
+    edges, tags, bodies = _band_edges(band, shape, node, points)
+    if ring is not None:
+        points, cells, regions, edges, tags, bodies = _join_rings(
+            shape, ring, points, cells, regions, edges, tags, bodies
+        )
+    _refuse_folded(points, cells)
+    return SolidMesh(points, cells, regions, np.sort(edges, axis=1), tags, bodies, int(node[-1, -1]))
+
+
+def _band_edges(
+    band: Band, shape: BellowsShape, node: IntArray, points: FloatArray
+) -> tuple[IntArray, IntArray, IntArray]:
+    """Boundary edges of the band: corner nodes (k, 2), surface numbers (k,), seat numbers (k,)."""
+    count = len(band.kinds)
+    starts, stops = node[0:-2:2], node[2::2]
+    cavity = np.column_stack([starts[:, 0], stops[:, 0]])
+    outside = np.column_stack([starts[:, -1], stops[:, -1]])
+    distal = np.isclose(points[outside][:, :, 1], shape.cavity_length_mm + shape.cap_mm).all(axis=1)
+    outside_tags = np.full(count, FACETS["outer"])
+    outside_bodies = np.full(count, -1)
+    for k, (kind, number) in enumerate(zip(band.kinds, band.index, strict=True)):
+        if kind == "seat":
+            outside_tags[k], outside_bodies[k] = FACETS["bond"], number
+        elif kind == "corner" and distal[k]:
+            outside_tags[k] = FACETS["tip"]
+    clamped = np.column_stack([node[0, 0:-2:2], node[0, 2::2]])
+    axis = np.column_stack([node[-1, 0:-2:2], node[-1, 2::2]])
+    edges = np.vstack([cavity, outside, clamped, axis])
+    tags = np.concatenate(
+        [
+            np.full(count, FACETS["cavity"]),
+            outside_tags,
+            np.full(len(clamped), FACETS["clamped"]),
+            np.full(len(axis), FACETS["axis"]),
+        ]
+    )
+    bodies = np.concatenate([np.full(count, -1), outside_bodies, np.full(len(clamped) + len(axis), -1)])
+    return edges, tags, bodies
+
+
+def _join_rings(
+    shape: BellowsShape,
+    ring: RingShape,
+    points: FloatArray,
+    cells: IntArray,
+    regions: IntArray,
+    edges: IntArray,
+    tags: IntArray,
+    bodies: IntArray,
+) -> tuple[FloatArray, IntArray, IntArray, IntArray, IntArray, IntArray]:
+    """Mesh one ring with gmsh, copy it to every seat and merge its nodes with the seat's."""
+    seat_edges = edges[tags == FACETS["bond"]]
+    seat_bodies = bodies[tags == FACETS["bond"]]
+    seat_z = np.unique(np.round(points[seat_edges[seat_bodies == 1]].ravel(), 9))
+    seat_corners = points[np.unique(seat_edges[seat_bodies == 1])]
+    crest_z = shape.crest_positions_mm
+    seat_z = np.sort(seat_corners[:, 1]) - crest_z[1]
+    ring_points, ring_cells = ring_triangles(ring, seat_z, shape.seat_radius_mm)
+
+    all_points, all_cells = [points], [cells]
+    offset = len(points)
+    for z in crest_z:
+        all_points.append(ring_points + np.array([0.0, z]))
+        all_cells.append(ring_cells + offset)
+        offset += len(ring_points)
+    joined, joined_cells = np.vstack(all_points), np.vstack(all_cells)
+    # Merge nodes that coincide: only seat nodes do, and they are farther apart than 1e-6 mm.
+    _, first, back = np.unique(np.round(joined, 6), axis=0, return_index=True, return_inverse=True)
+    keep = np.sort(first)
+    renumber = np.empty(len(first), dtype=np.int64)
+    renumber[np.argsort(first)] = np.arange(len(first))
+    merged = renumber[back]
+    if not np.array_equal(merged[: len(points)], np.arange(len(points))):
+        raise GeometryError("ring mesh: two nodes of the wall coincide")
+    new_cells = merged[joined_cells]
+    new_regions = np.concatenate([regions, np.full(len(new_cells) - len(cells), REGIONS["ring"])])
+
+    # The seats are now inside; the ring's free edges join the outside.
+    ring_edges = np.vstack([new_cells[len(cells) :][:, list(e)] for e in TRIANGLE_EDGES])
+    unique, counts = np.unique(np.sort(ring_edges, axis=1), axis=0, return_counts=True)
+    free = unique[counts == 1]
+    on_seat = np.isclose(joined[keep][free][:, :, 0], shape.seat_radius_mm, atol=1e-9).all(axis=1)
+    free = free[~on_seat]
+    stay = tags != FACETS["bond"]
+    return (
+        joined[keep],
+        new_cells,
+        new_regions,
+        np.vstack([edges[stay], free]),
+        np.concatenate([tags[stay], np.full(len(free), FACETS["outer"])]),
+        np.concatenate([bodies[stay], np.full(len(free), -1)]),
+    )
+
+
+def _refuse_folded(points: FloatArray, cells: IntArray) -> None:
+    from meshes.quality import jacobians
+
+    signed = jacobians(points, cells)
+    signed = signed * np.sign(signed.mean(axis=1, keepdims=True))
+    worst = int(np.argmin(signed.min(axis=1)))
+    if signed[worst].min() <= 0.0:
+        r, z = points[cells[worst]].mean(axis=0)
+        raise GeometryError(
+            f"cell {worst} at r = {r:.3g}, z = {z:.3g} mm folds over itself: the wall is too thick for its "
+            "curvature; take a larger fillet_mm or a thinner wall_mm"
+        )

@@ -1,0 +1,154 @@
+"""The 3D body: a meridian of quadratic triangles swept round the axis and split into quadratic tetrahedra.
+
+Every prism (triangle times one step round) is cut into three tetrahedra by the order of its meridian nodes,
+so neighbours agree on the diagonals. Every second layer is the mirror image of its neighbour, so that the
+mesh has mirror planes and prefers no sense of twist. Prisms that touch the axis lose their flat tetrahedra.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from meshes.errors import GeometryError
+from meshes.solid import TETRAHEDRON_EDGES, TRIANGLE_EDGES, FloatArray, IntArray, SolidMesh
+
+# Corners of the three tetrahedra of a prism: (meridian corner in ascending order, 0 = this side, 1 = that).
+_PRISM_TETS = (
+    ((0, 0), (1, 0), (2, 0), (2, 1)),
+    ((0, 0), (1, 0), (1, 1), (2, 1)),
+    ((0, 0), (0, 1), (1, 1), (2, 1)),
+)
+_QUAD_TRIANGLES = (((0, 0), (1, 0), (1, 1)), ((0, 0), (0, 1), (1, 1)))
+
+
+def revolve(meridian: SolidMesh, around: int) -> SolidMesh:
+    """Sweep a meridian mesh round the z axis.
+
+    Parameters
+    ----------
+    meridian
+        Quadratic triangles in (r, z).
+    around
+        Number of cells round the circumference, even and at least 4.
+
+    Returns
+    -------
+    SolidMesh
+        Curved ten-node tetrahedra; all nodes lie on the surface of revolution through the meridian's nodes.
+
+    Raises
+    ------
+    GeometryError
+        If ``around`` is odd or less than 4.
+    """
+    if around < 4 or around % 2:
+        raise GeometryError(f"cells round the circumference = {around}: must be even and at least 4")
+    steps = 2 * around  # half steps: corners at even ones, mid-edge nodes also at odd ones
+    on_axis = meridian.points[:, 0] == 0.0
+    edge_mid = _edge_table(meridian)
+
+    def node(m: IntArray, half_step: IntArray) -> IntArray:
+        """Lattice number of meridian node m at a half step; all half steps coincide on the axis."""
+        return m * steps + np.where(on_axis[m], 0, half_step % steps)
+
+    def middle(m_a: IntArray, h_a: IntArray, m_b: IntArray, h_b: IntArray) -> IntArray:
+        m = np.where(m_a == m_b, m_a, edge_mid(m_a, m_b))
+        h = np.where(on_axis[m_a], h_b, np.where(on_axis[m_b], h_a, (h_a + h_b) // 2))
+        return node(m, h)
+
+    layer = np.arange(around)
+    this_side = 2 * layer + 2 * (layer % 2)
+    that_side = 2 * layer + 2 * ((layer + 1) % 2)
+
+    order = np.sort(meridian.cells[:, :3], axis=1)
+    cells, regions = [], []
+    for corners in _PRISM_TETS:
+        m = np.stack([np.repeat(order[:, k], around) for k, _ in corners], axis=1)
+        h = np.stack([np.tile(that_side if s else this_side, len(order)) for _, s in corners], axis=1)
+        corner_nodes = node(m, h)
+        mids = np.stack([middle(m[:, i], h[:, i], m[:, j], h[:, j]) for i, j in TETRAHEDRON_EDGES], axis=1)
+        flat = np.array([len(set(c)) < 4 for c in corner_nodes]) if on_axis[order].any() else None
+        block = np.hstack([corner_nodes, mids])
+        label = np.repeat(meridian.regions, around)
+        cells.append(block if flat is None else block[~flat])
+        regions.append(label if flat is None else label[~flat])
+
+    facets, tags, bodies = _sweep_facets(meridian, node, this_side, that_side)
+    lattice_cells = np.vstack(cells)
+    used, back = np.unique(lattice_cells, return_inverse=True)
+    m_used, h_used = used // steps, used % steps
+    angle = h_used * (np.pi / around)
+    r, z = meridian.points[m_used].T
+    points = np.column_stack([r * np.cos(angle), r * np.sin(angle), z])
+    tip = int(np.searchsorted(used, meridian.tip_centre_node * steps))
+    return SolidMesh(
+        points=points,
+        cells=back.reshape(lattice_cells.shape).astype(np.int64),
+        regions=np.concatenate(regions),
+        facets=np.sort(np.searchsorted(used, facets), axis=1),
+        facet_tags=tags,
+        facet_bodies=bodies,
+        tip_centre_node=tip,
+        meridian_node=m_used,
+        angle_rad=angle,
+    )
+
+
+def _edge_table(meridian: SolidMesh):  # type: ignore[no-untyped-def]
+    """Function giving the mid-edge node of a pair of meridian corners."""
+    n = len(meridian.points)
+    keys, mids = [], []
+    for k, (i, j) in enumerate(TRIANGLE_EDGES):
+        a, b = meridian.cells[:, i], meridian.cells[:, j]
+        keys.append(np.minimum(a, b) * n + np.maximum(a, b))
+        mids.append(meridian.cells[:, 3 + k])
+    key, first = np.unique(np.concatenate(keys), return_index=True)
+    mid = np.concatenate(mids)[first]
+
+    def edge_mid(a: IntArray, b: IntArray) -> IntArray:
+        wanted = np.minimum(a, b) * n + np.maximum(a, b)
+        return mid[np.minimum(np.searchsorted(key, wanted), len(key) - 1)]
+
+    return edge_mid
+
+
+def _sweep_facets(meridian, node, this_side: IntArray, that_side: IntArray):  # type: ignore[no-untyped-def]
+    """Triangles of the swept boundary edges in lattice numbers, with their tags and bodies."""
+    from meshes.solid import FACETS
+
+    keep = meridian.facet_tags != FACETS["axis"]
+    edges = meridian.facets[keep]
+    around = len(this_side)
+    facets, tags, bodies = [], [], []
+    for corners in _QUAD_TRIANGLES:
+        m = np.stack([np.repeat(edges[:, k], around) for k, _ in corners], axis=1)
+        h = np.stack([np.tile(that_side if s else this_side, len(edges)) for _, s in corners], axis=1)
+        triangle = node(m, h)
+        solid = (
+            (triangle[:, 0] != triangle[:, 1])
+            & (triangle[:, 1] != triangle[:, 2])
+            & (triangle[:, 0] != triangle[:, 2])
+        )
+        facets.append(triangle[solid])
+        tags.append(np.repeat(meridian.facet_tags[keep], around)[solid])
+        bodies.append(np.repeat(meridian.facet_bodies[keep], around)[solid])
+    return np.vstack(facets), np.concatenate(tags), np.concatenate(bodies)
+
+
+def revolve_vector(meridian_values: FloatArray, mesh: SolidMesh) -> FloatArray:
+    """Carry (radial, axial) values on meridian nodes over to (x, y, z) on a revolved mesh.
+
+    Parameters
+    ----------
+    meridian_values
+        Shape (meridian nodes, 2).
+    mesh
+        A mesh made by `revolve` from that meridian.
+
+    Returns
+    -------
+    ndarray
+        Shape (nodes, 3).
+    """
+    radial, axial = meridian_values[mesh.meridian_node].T
+    return np.column_stack([radial * np.cos(mesh.angle_rad), radial * np.sin(mesh.angle_rad), axial])

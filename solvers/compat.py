@@ -1,0 +1,103 @@
+"""Everything that depends on the version of dolfinx (0.5.2, Debian 12) is in this file."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import dolfinx
+import numpy as np
+import ufl
+from dolfinx import cpp, fem, la
+from dolfinx import mesh as dmesh
+from mpi4py import MPI
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+# -O2 alone leaves the 81 gradient products per quadrature point scalar; -march=native lets the compiler
+# vectorise them. No -ffast-math: NaN must stay visible to the checks.
+JIT = {"cffi_extra_compile_args": ["-O3", "-march=native", "-fno-math-errno"], "cffi_libraries": ["m"], "timeout": 600}
+
+
+def make_mesh(
+    comm: MPI.Comm, cells: NDArray[np.int64], points: NDArray[np.float64], degree: int = 2
+) -> dmesh.Mesh:
+    """Create a simplex mesh with curved cells; every rank passes its share of cells and points."""
+    gdim = points.shape[1]
+    shape = {2: "triangle", 3: "tetrahedron"}[gdim]
+    domain = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell(shape, geometric_dimension=gdim), degree))
+    partitioner = cpp.mesh.create_cell_partitioner()
+    return dmesh.create_mesh(comm, cells, points, domain, dmesh.GhostMode.none, partitioner)
+
+
+def geometry_dofs(mesh: dmesh.Mesh) -> NDArray[np.int32]:
+    """Geometry nodes of the owned cells, shape (cells, nodes per cell)."""
+    count = mesh.topology.index_map(mesh.topology.dim).size_local
+    table = mesh.geometry.dofmap.array.reshape(mesh.geometry.dofmap.num_nodes, -1)
+    return table[:count]
+
+
+def boundary_facets(mesh: dmesh.Mesh) -> NDArray[np.int32]:
+    """Owned facets with one cell."""
+    mesh.topology.create_connectivity(mesh.topology.dim - 1, mesh.topology.dim)
+    return np.asarray(dmesh.exterior_facet_indices(mesh.topology), dtype=np.int32)
+
+
+def facet_corner_nodes(mesh: dmesh.Mesh, facets: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Geometry nodes at the corners of facets, shape (facets, d)."""
+    mesh.topology.create_connectivity(mesh.topology.dim - 1, 0)
+    return cpp.mesh.entities_to_geometry(mesh._mesh, mesh.topology.dim - 1, facets, False)
+
+
+def compile_form(form: Any) -> Any:
+    """Compile a UFL form with this project's compiler options."""
+    return fem.form(form, jit_params=JIT)
+
+
+def compile_expression(expression: Any, points: NDArray[np.float64]) -> fem.Expression:
+    """Compile a UFL expression at reference points with this project's compiler options."""
+    return fem.Expression(expression, points, jit_params=JIT)
+
+
+def cell_dofs(space: Any) -> NDArray[np.int32]:
+    """Dofs of the owned cells of a scalar (sub)space in the numbering of its parent."""
+    mesh = space.mesh
+    count = mesh.topology.index_map(mesh.topology.dim).size_local
+    table = space.dofmap.list.array.reshape(-1, space.dofmap.dof_layout.num_dofs)
+    return table[:count]
+
+
+def assemble_into(matrix: PETSc.Mat, form: Any, bcs: list[Any], space: Any) -> None:
+    """Add a bilinear form into a PETSc matrix, with unit diagonal on Dirichlet rows; leaves it in flush state."""
+    constants = cpp.fem.pack_constants(form)
+    coefficients = cpp.fem.pack_coefficients(form)
+    cpp.fem.petsc.assemble_matrix(matrix, form, constants, coefficients, bcs)
+    matrix.assemblyBegin(PETSc.Mat.AssemblyType.FLUSH)
+    matrix.assemblyEnd(PETSc.Mat.AssemblyType.FLUSH)
+    cpp.fem.petsc.insert_diagonal(matrix, space._cpp_object, bcs, 1.0)
+
+
+def create_matrix(form: Any) -> PETSc.Mat:
+    """An empty PETSc matrix with the pattern of a form."""
+    return cpp.fem.petsc.create_matrix(form)
+
+
+def assemble_array(form: Any, index_map: Any) -> la.VectorMetaClass:
+    """Assemble a linear form; contributions are summed on the owners, ghosts are not updated."""
+    vector = la.vector(index_map, 1)
+    vector.array[:] = 0.0
+    cpp.fem.assemble_vector(
+        vector.array, form, cpp.fem.pack_constants(form), cpp.fem.pack_coefficients(form)
+    )
+    vector.scatter_reverse(la.ScatterMode.add)
+    return vector
+
+
+def assemble_scalar(form: Any, comm: MPI.Comm) -> float:
+    """Integral over all ranks."""
+    local = cpp.fem.assemble_scalar(form, cpp.fem.pack_constants(form), cpp.fem.pack_coefficients(form))
+    return float(comm.allreduce(local, op=MPI.SUM))
+
+
+def dolfinx_version() -> str:
+    """Version of dolfinx."""
+    return str(dolfinx.__version__)

@@ -1,0 +1,495 @@
+"""A boundary value problem on a domain: spaces, compiled forms, constraints, rigid rings, assembly.
+
+Unknowns are the mixed finite-element dofs and, after them, the motions of rigid bodies bonded to the solid by
+an elastic layer. Bodies enter the tangent as bordering rows and columns of one symmetric sparse matrix, so one
+factorisation serves all and its inertia counts them too.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import basix
+import numpy as np
+import scipy.sparse
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from analytical.materials import StiffSolid
+from solvers import compat
+from solvers.domain import Domain, FloatArray, IntArray
+from solvers.errors import SolverError
+from solvers.forms import Bond, build_forms, invariants
+from solvers.kinematics import kinematics
+from solvers.laws import Law, compile_law
+
+SOFT, STIFF = 1, 2  # material numbers of cells
+
+# Degree 4 integrates the split energy on quadratic tetrahedra to below the discretisation error; on meridians
+# the factor r and few cells make one more degree free. Measured in docs/decisions.md.
+QUADRATURE_DEGREE = {2: 5, 3: 4}
+
+
+@dataclass(frozen=True)
+class RigidBodies:
+    """Rigid bodies bonded to the solid by an elastic layer on the facets tagged ``bond``.
+
+    Attributes
+    ----------
+    normal_mpa_per_mm, tangential_mpa_per_mm
+        Stiffness of the layer per area.
+    grade
+        Factor on both at each caller's node, shape (nodes,).
+    centres_mm
+        Axial position of each body's centre, shape (bodies,).
+    arm_mm
+        Length that turns rotations into displacements, so that all unknowns are in mm.
+    """
+
+    normal_mpa_per_mm: float
+    tangential_mpa_per_mm: float
+    grade: FloatArray
+    centres_mm: FloatArray
+    arm_mm: float
+
+
+@dataclass(frozen=True)
+class Surfaces:
+    """Facet numbers of the surfaces with a role; None where there is none."""
+
+    cavity: int
+    clamped: int
+    bond: int | None = None
+    axis: int | None = None
+
+
+@dataclass(frozen=True)
+class State:
+    """An equilibrium (or a guess), in the caller's node numbering.
+
+    Attributes
+    ----------
+    displacement_mm
+        Shape (nodes, d).
+    pressure_mpa
+        Pressure field p at corner nodes, zero elsewhere, shape (nodes,).
+    bodies_mm
+        Motions of the rigid bodies, shape (bodies, modes): axial in 2D; x, y, z translation, then rotation
+        about x, y, z times the arm, in 3D.
+    load_mpa
+        Cavity pressure P.
+    """
+
+    displacement_mm: FloatArray
+    pressure_mpa: FloatArray
+    bodies_mm: FloatArray
+    load_mpa: float
+
+
+@dataclass
+class Timer:
+    """Wall seconds by activity."""
+
+    seconds: dict[str, float] = field(default_factory=lambda: defaultdict(float))
+
+    @contextmanager
+    def __call__(self, name: str) -> Iterator[None]:
+        """Add the time spent in the block."""
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[name] += time.perf_counter() - start
+
+
+class Problem:
+    """Assembled equations of one domain, material and set of rigid bodies.
+
+    Parameters
+    ----------
+    domain
+        Mesh; its cell tags are SOFT or STIFF.
+    law
+        Material of the soft cells.
+    inverse_kappa
+        1/kappa in 1/MPa; 0 is incompressible.
+    surfaces
+        Which facet numbers are the cavity, clamped, bonded and on the axis.
+    stiff
+        Material of the STIFF cells, if any.
+    bodies
+        Rigid bodies, if any.
+    """
+
+    def __init__(
+        self,
+        domain: Domain,
+        law: Law,
+        inverse_kappa: float,
+        surfaces: Surfaces,
+        stiff: StiffSolid | None = None,
+        bodies: RigidBodies | None = None,
+    ) -> None:
+        self.domain, self.comm = domain, domain.comm
+        self.timer = Timer()
+        mesh = domain.mesh
+        self.dimension = mesh.geometry.dim
+        cell = mesh.ufl_cell()
+        element = ufl.MixedElement(
+            [ufl.VectorElement("Lagrange", cell, 2), ufl.FiniteElement("Lagrange", cell, 1)]
+        )
+        self.space = fem.FunctionSpace(mesh, element)
+        self.state = fem.Function(self.space)
+        self.pressure = fem.Constant(mesh, 0.0)
+        self.index_map = self.space.dofmap.index_map
+        self._number_nodes()
+
+        degree = QUADRATURE_DEGREE[self.dimension]
+        kin = kinematics(mesh, domain.axisymmetric)
+        dx, ds = domain.dx(degree=degree), domain.ds(degree=degree)
+        measures = {"cavity": ds(surfaces.cavity)}
+        if stiff is None:
+            measures["soft"] = ufl.dx(domain=mesh, degree=degree)
+        else:
+            measures |= {"soft": dx(SOFT), "stiff": dx(STIFF)}
+        self.law = compile_law(law, mesh)
+        bond = None
+        self.body_count = self.modes = 0
+        if bodies is not None and surfaces.bond is not None:
+            measures["bond"] = ds(surfaces.bond)
+            self.body_count = len(bodies.centres_mm)
+            self.modes = 1 if domain.axisymmetric else 6
+            self.body_motion = fem.Function(self.space)
+            bond = Bond(
+                fem.Constant(mesh, bodies.normal_mpa_per_mm),
+                fem.Constant(mesh, bodies.tangential_mpa_per_mm),
+                self._nodal_function(bodies.grade),
+                self.body_motion,
+            )
+        self.body_values = np.zeros((self.body_count, self.modes))
+
+        with self.timer("compile"):
+            forms = build_forms(
+                self.space,
+                self.state,
+                kin,
+                self.law,
+                fem.Constant(mesh, float(inverse_kappa)),
+                self.pressure,
+                stiff,
+                bond,
+                measures,
+            )
+            self._internal = compat.compile_form(forms.internal_force)
+            self._volume_gradient = compat.compile_form(forms.volume_gradient)
+            self._tangent = compat.compile_form(forms.tangent)
+            self._energy = compat.compile_form(forms.energy)
+            self._volume = compat.compile_form(forms.volume)
+            k = invariants(kin.gradient(ufl.split(self.state)[0]))
+            points, _ = basix.make_quadrature(
+                basix.CellType.triangle if self.dimension == 2 else basix.CellType.tetrahedron, degree
+            )
+            self._check = compat.compile_expression(ufl.as_vector([k.j, k.i1, k.i2]), points)
+            bond_form = None if forms.bond_stiffness is None else compat.compile_form(forms.bond_stiffness)
+
+            q = ufl.TestFunctions(self.space)[1]
+            unit_form = compat.compile_form(q * kin.measure * ufl.dx(domain=mesh, degree=degree))
+
+        self._constrain(surfaces, stiff is not None)
+        self._border(bodies, bond_form)
+        self.constrained_owned = self._is_constrained[: self.owned]
+        self.shear_modulus_mpa = float(law.initial_shear_modulus_mpa)
+        unit = compat.assemble_array(unit_form, self.index_map).array[: self.owned]
+        self.volume_scale = float(np.sqrt(self.comm.allreduce(float(unit @ unit), op=MPI.SUM)))
+        self.expected_negatives = int(
+            self.comm.allreduce(int((self.owned_pressure & ~self.constrained_owned).sum()), op=MPI.SUM)
+        )
+
+    # ---- numbering -------------------------------------------------------------------------------------
+
+    def _number_nodes(self) -> None:
+        """Local dofs of each local geometry node: displacements (n, d), pressure (n,), -1 off corners."""
+        geometry = compat.geometry_dofs(self.domain.mesh)
+        count = len(self.domain.input_node)
+        self.u_dofs = np.full((count, self.dimension), -1, dtype=np.int64)
+        self.p_dofs = np.full(count, -1, dtype=np.int64)
+        for i in range(self.dimension):
+            self.u_dofs[geometry, i] = compat.cell_dofs(self.space.sub(0).sub(i))
+        self.p_dofs[geometry[:, : self.dimension + 1]] = compat.cell_dofs(self.space.sub(1))
+        self.owned = self.index_map.size_local
+        self.local = self.owned + self.index_map.num_ghosts
+        self.owned_pressure = np.zeros(self.owned, dtype=bool)
+        owned_p = self.p_dofs[(self.p_dofs >= 0) & (self.p_dofs < self.owned)]
+        self.owned_pressure[owned_p] = True
+
+    def _nodal_function(self, values: FloatArray) -> Any:
+        """Quadratic scalar function from values at the caller's nodes."""
+        space = fem.FunctionSpace(self.domain.mesh, ("Lagrange", 2))
+        function = fem.Function(space)
+        geometry = compat.geometry_dofs(self.domain.mesh)
+        function.x.array[compat.cell_dofs(space)] = values[self.domain.input_node[geometry]]
+        function.x.scatter_forward()
+        return function
+
+    def _constrain(self, surfaces: Surfaces, has_stiff: bool) -> None:
+        """Dirichlet conditions: clamped surface, u_r = 0 on the axis, no pressure unknowns in stiff cells."""
+        mesh, fdim = self.domain.mesh, self.dimension - 1
+        tags = self.domain.facet_tags
+        fixed: list[tuple[Any, IntArray]] = []
+        clamped = tags.indices[tags.values == surfaces.clamped]
+        for i in range(self.dimension):
+            sub = self.space.sub(0).sub(i)
+            fixed.append((sub, fem.locate_dofs_topological(sub, fdim, clamped)))
+        if surfaces.axis is not None:
+            sub = self.space.sub(0).sub(0)
+            on_axis = tags.indices[tags.values == surfaces.axis]
+            fixed.append((sub, fem.locate_dofs_topological(sub, fdim, on_axis)))
+        if has_stiff:
+            cell_tags = self.domain.cell_tags
+            soft = np.zeros(self.local, dtype=bool)
+            cells = compat.cell_dofs(self.space.sub(1))
+            is_soft = np.zeros(len(cells), dtype=bool)
+            owned_soft = cell_tags.indices[cell_tags.values == SOFT]
+            is_soft[owned_soft[owned_soft < len(cells)]] = True
+            # a dof is soft if any rank has a soft cell at it: sum on the owner, then back to the ghosts
+            touched = fem.Function(self.space)
+            touched.x.array[cells[is_soft].ravel()] = 1.0
+            touched.x.scatter_reverse(compat.la.ScatterMode.add)
+            touched.x.scatter_forward()
+            soft = touched.x.array > 0.0
+            pressure = self.p_dofs[self.p_dofs >= 0]
+            dead = pressure[~soft[pressure]]
+            fixed.append((self.space.sub(1), np.unique(dead).astype(np.int32)))
+        self.bcs = [fem.dirichletbc(PETSc.ScalarType(0), np.asarray(d, np.int32), s) for s, d in fixed]
+        self._is_constrained = np.zeros(self.local, dtype=bool)
+        for _, dofs in fixed:
+            self._is_constrained[dofs] = True
+        self._clamped_axial = fem.locate_dofs_topological(
+            self.space.sub(0).sub(self.dimension - 1), fdim, clamped
+        )
+        self._clamped_axial = self._clamped_axial[self._clamped_axial < self.owned]
+        self.mesh = mesh
+
+    # ---- rigid bodies ----------------------------------------------------------------------------------
+
+    def _border(self, bodies: RigidBodies | None, bond_form: Any | None) -> None:
+        """Constant coupling of rigid bodies: columns K_bond Phi and the small block Phi' K_bond Phi."""
+        self.extra = self.body_count * self.modes
+        self._mode_values: list[tuple[IntArray, FloatArray]] = []
+        if bodies is None or bond_form is None:
+            self._coupling = np.zeros((self.owned, 0))
+            self._body_block = np.zeros((0, 0))
+            self._coupled = np.empty(0, dtype=np.int64)
+            return
+        bond_matrix = compat.create_matrix(bond_form)
+        compat.assemble_into(bond_matrix, bond_form, [], self.space)
+        bond_matrix.assemble()
+        columns, modes = [], []
+        local_of = {int(g): k for k, g in enumerate(self.domain.input_node)}
+        x = self.domain.mesh.geometry.x
+        for body in range(self.body_count):
+            nodes = [local_of[int(g)] for g in self.domain.body_nodes[body] if int(g) in local_of]
+            local = np.array(nodes, dtype=np.int64)
+            arms = x[local] - np.array([0.0, 0.0, bodies.centres_mm[body]])
+            for mode in range(self.modes):
+                shape = self._mode_shape(mode, arms, bodies.arm_mm)
+                self._mode_values.append((local, shape))
+                phi = fem.Function(self.space)
+                used = self.u_dofs[local] >= 0
+                phi.x.array[self.u_dofs[local][used]] = shape[used]
+                phi.x.scatter_forward()
+                product = bond_matrix.createVecLeft()
+                bond_matrix.mult(phi.vector, product)
+                columns.append(-product.array.copy())
+                modes.append(phi.x.array[: self.owned].copy())
+        self._coupling = np.stack(columns, axis=1)
+        stacked = np.stack(modes, axis=1)
+        self._body_block = -self.comm.allreduce(stacked.T @ self._coupling, op=MPI.SUM)
+        self._coupling[self._is_constrained[: self.owned]] = 0.0
+        self._coupled = np.flatnonzero(np.any(self._coupling != 0.0, axis=1))
+
+    def _mode_shape(self, mode: int, arms: FloatArray, arm_mm: float) -> FloatArray:
+        """Displacement of points of a body for a unit of one motion, shape (n, d)."""
+        if self.domain.axisymmetric:
+            return np.tile([0.0, 1.0], (len(arms), 1))
+        if mode < 3:
+            return np.tile(np.eye(3)[mode], (len(arms), 1))
+        return np.cross(np.eye(3)[mode - 3], arms) / arm_mm
+
+    def _move_bodies(self) -> None:
+        """Write the bodies' motions into the function the bond form reads."""
+        if not self.extra:
+            return
+        array = self.body_motion.x.array
+        array[:] = 0.0
+        for (local, shape), value in zip(self._mode_values, self.body_values.ravel(), strict=True):
+            dofs = self.u_dofs[local]
+            used = dofs >= 0
+            array[dofs[used]] += value * shape[used]
+        self.body_motion.x.scatter_forward()
+
+    # ---- assembly --------------------------------------------------------------------------------------
+
+    def new_matrix(self) -> PETSc.Mat:
+        """Empty symmetric matrix with the pattern of the tangent and the bodies' border."""
+        plain = compat.create_matrix(self._tangent)
+        compat.assemble_into(plain, self._tangent, self.bcs, self.space)
+        plain.assemble()
+        if not self.extra:
+            matrix = plain
+        else:
+            matrix = self._bordered_matrix(plain)
+            plain.destroy()
+        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        return matrix
+
+    def _bordered_matrix(self, plain: PETSc.Mat) -> PETSc.Mat:
+        """Copy of a matrix's pattern with the bodies' rows and columns; body unknowns live on the last rank."""
+        total = self.index_map.size_global
+        size = total + self.extra
+        last = self.comm.rank == self.comm.size - 1
+        indptr, indices, values = plain.getValuesCSR()
+        base = scipy.sparse.csr_matrix((np.ones(len(values)), indices, indptr), shape=(self.owned, size))
+        row, column = np.nonzero(self._coupling)
+        right = scipy.sparse.csr_matrix((np.ones(len(row)), (row, total + column)), shape=(self.owned, size))
+        pattern = base + right
+        first = self.index_map.local_range[0]
+        pairs = self.comm.gather((column, row + first), root=self.comm.size - 1)
+        if last and pairs is not None:
+            body = np.concatenate([a for a, _ in pairs] + [np.repeat(np.arange(self.extra), self.extra)])
+            dof = np.concatenate([b for _, b in pairs] + [np.tile(np.arange(total, size), self.extra)])
+            below = scipy.sparse.csr_matrix((np.ones(len(body)), (body, dof)), shape=(self.extra, size))
+            pattern = scipy.sparse.vstack([pattern, below]).tocsr()
+        pattern.sort_indices()
+        rows = self.owned + (self.extra if last else 0)
+        matrix = PETSc.Mat().createAIJ(
+            size=((rows, size), (rows, size)),
+            csr=(pattern.indptr.astype(PETSc.IntType), pattern.indices.astype(PETSc.IntType), np.zeros(pattern.nnz)),
+            comm=self.comm,
+        )
+        local_to_global = np.concatenate(
+            [self.index_map.local_to_global(np.arange(self.local, dtype=np.int32)), np.arange(total, size)]
+        ).astype(PETSc.IntType)
+        lgmap = PETSc.LGMap().create(local_to_global, comm=self.comm)
+        matrix.setLGMap(lgmap, lgmap)
+        return matrix
+
+    def assemble_tangent(self, matrix: PETSc.Mat) -> None:
+        """Tangent at the current state, into ``matrix``."""
+        with self.timer("tangent"):
+            matrix.zeroEntries()
+            compat.assemble_into(matrix, self._tangent, self.bcs, self.space)
+            if self.extra:
+                first = self.index_map.local_range[0]
+                total = self.index_map.size_global
+                rows = (self._coupled + first).astype(PETSc.IntType)
+                columns = np.arange(total, total + self.extra, dtype=PETSc.IntType)
+                add = PETSc.InsertMode.ADD_VALUES
+                matrix.assemblyBegin(PETSc.Mat.AssemblyType.FLUSH)
+                matrix.assemblyEnd(PETSc.Mat.AssemblyType.FLUSH)
+                per_row, per_column = np.nonzero(self._coupling[self._coupled])
+                for column in range(self.extra):
+                    mine = rows[per_row[per_column == column]]
+                    block = self._coupling[self._coupled][per_row[per_column == column], column]
+                    target = columns[column : column + 1]
+                    matrix.setValues(mine, target, block[:, None], addv=add)
+                    matrix.setValues(target, mine, block[None, :], addv=add)
+                if self.comm.rank == self.comm.size - 1:
+                    matrix.setValues(columns, columns, self._body_block, addv=add)
+            matrix.assemble()
+
+    def internal_force(self) -> tuple[FloatArray, FloatArray]:
+        """Internal force on the owned dofs (owned,) and on the bodies (extra,), constraints not yet applied."""
+        with self.timer("residual"):
+            self._move_bodies()
+            force = compat.assemble_array(self._internal, self.index_map).array[: self.owned].copy()
+            on_bodies = np.zeros(self.extra)
+            if self.extra:
+                # -K_bond (u - Phi q) projected on the modes, with K_bond constant
+                local = self._coupling.T @ self.state.x.array[: self.owned]
+                on_bodies = self.comm.allreduce(local, op=MPI.SUM) + self._body_block @ self.body_values.ravel()
+            return force, on_bodies
+
+    def volume_gradient(self) -> FloatArray:
+        """dV/dw on the owned dofs, mm^2, shape (owned,)."""
+        with self.timer("residual"):
+            return compat.assemble_array(self._volume_gradient, self.index_map).array[: self.owned].copy()
+
+    def cavity_volume(self) -> float:
+        """Enclosed volume, mm^3."""
+        return compat.assemble_scalar(self._volume, self.comm)
+
+    def energy(self) -> float:
+        """Stored energy of solid and bond, mJ."""
+        self._move_bodies()
+        return compat.assemble_scalar(self._energy, self.comm)
+
+    def reaction(self) -> float:
+        """Axial force of the support on the clamped surface, N."""
+        force, _ = self.internal_force()
+        total = force - float(self.pressure.value) * self.volume_gradient()
+        return float(self.comm.allreduce(float(total[self._clamped_axial].sum()), op=MPI.SUM))
+
+    def extremes(self) -> tuple[float, float, float]:
+        """Smallest det F and largest isochoric I1 and I2 over all quadrature points (NaN-safe)."""
+        with self.timer("checks"):
+            cells = np.arange(self.mesh.topology.index_map(self.dimension).size_local, dtype=np.int32)
+            values = self._check.eval(cells).reshape(-1, 3)
+            j, i1, i2 = np.inf, 0.0, 0.0
+            if len(values):
+                j = float(np.min(values[:, 0])) if np.isfinite(values).all() else -np.inf
+                i1, i2 = float(np.max(values[:, 1])), float(np.max(values[:, 2]))
+            return (
+                self.comm.allreduce(j, op=MPI.MIN),
+                self.comm.allreduce(i1, op=MPI.MAX),
+                self.comm.allreduce(i2, op=MPI.MAX),
+            )
+
+    # ---- states ----------------------------------------------------------------------------------------
+
+    def set_state(self, state: State) -> None:
+        """Make a state in the caller's numbering the current one; constraints are imposed exactly."""
+        array = self.state.x.array
+        known = self.u_dofs[:, 0] >= 0
+        for i in range(self.dimension):
+            array[self.u_dofs[known, i]] = state.displacement_mm[self.domain.input_node[known], i]
+        corner = self.p_dofs >= 0
+        array[self.p_dofs[corner]] = state.pressure_mpa[self.domain.input_node[corner]]
+        array[: self.local][self._is_constrained] = 0.0
+        self.state.x.scatter_forward()
+        if state.bodies_mm.shape != self.body_values.shape:
+            raise SolverError(f"state has bodies of shape {state.bodies_mm.shape}, need {self.body_values.shape}")
+        self.body_values[:] = state.bodies_mm
+        self.pressure.value = state.load_mpa
+
+    def get_state(self) -> State:
+        """The current state in the caller's numbering, complete on every rank."""
+        d = self.dimension
+        known = self.u_dofs[:, 0] >= 0
+        array = self.state.x.array
+        mine = self.domain.input_node[known]
+        u = np.stack([array[self.u_dofs[known, i]] for i in range(d)], axis=1)
+        corner = self.p_dofs >= 0
+        p_nodes, p = self.domain.input_node[corner], array[self.p_dofs[corner]]
+        displacement = np.zeros((self.domain.nodes, d))
+        pressure = np.zeros(self.domain.nodes)
+        for nodes, values, corners, corner_values in self.comm.allgather((mine, u, p_nodes, p)):
+            displacement[nodes] = values
+            pressure[corners] = corner_values
+        return State(displacement, pressure, self.body_values.copy(), float(self.pressure.value))
+
+    def zero_state(self) -> State:
+        """The unloaded reference state."""
+        return State(
+            np.zeros((self.domain.nodes, self.dimension)),
+            np.zeros(self.domain.nodes),
+            np.zeros((self.body_count, self.modes)),
+            0.0,
+        )
