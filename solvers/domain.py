@@ -53,12 +53,12 @@ class Domain:
         True for a meridian with coordinates (r, z); False for a body in (x, y, z).
     cell_tags, facet_tags
         dolfinx mesh tags with the caller's region and surface numbers.
+    facet_bodies
+        Number of the rigid body of each facet in ``facet_tags``, -1 for none.
     input_node
         Caller's node of each local geometry node.
     nodes
         Number of the caller's nodes.
-    boundary_nodes
-        Caller's nodes (all of a facet's, mid-edge ones included) on each body's facets, by body number.
     """
 
     comm: MPI.Comm
@@ -66,9 +66,9 @@ class Domain:
     axisymmetric: bool
     cell_tags: Any
     facet_tags: Any
+    facet_bodies: IntArray
     input_node: IntArray
     nodes: int
-    body_nodes: dict[int, IntArray]
 
     @property
     def dx(self) -> Any:
@@ -133,8 +133,7 @@ def create_domain(comm: MPI.Comm, arrays: MeshArrays | None) -> Domain:
     facet_tags = dmesh.meshtags(
         mesh, gdim - 1, tagged[ascending], tags[which][ascending].astype(np.int32)
     )
-    body_nodes = comm.bcast(_body_nodes(arrays) if root and arrays is not None else None)
-    return Domain(comm, mesh, gdim == 2, cell_tags, facet_tags, input_node, node_count, body_nodes)
+    return Domain(comm, mesh, gdim == 2, cell_tags, facet_tags, bodies[which][ascending], input_node, node_count)
 
 
 def _key(rows: IntArray, base: int) -> IntArray:
@@ -144,22 +143,3 @@ def _key(rows: IntArray, base: int) -> IntArray:
         key = key * base + rows[:, column]
     return key
 
-
-def _body_nodes(arrays: MeshArrays) -> dict[int, IntArray]:
-    """All nodes of each body's facets: the corners, and the mid-edge nodes between them."""
-    dimension = arrays.points.shape[1]
-    edges = ((1, 2), (0, 2), (0, 1)) if dimension == 2 else ((2, 3), (1, 3), (1, 2), (0, 3), (0, 2), (0, 1))
-    out = {}
-    for body in np.unique(arrays.facet_bodies[arrays.facet_bodies >= 0]):
-        facets = arrays.facets[arrays.facet_bodies == body]
-        on = np.zeros(len(arrays.points), dtype=bool)
-        on[facets.ravel()] = True
-        pairs = np.vstack([facets[:, [i, j]] for i in range(dimension) for j in range(i)])
-        pair_keys = np.unique(_key(np.sort(pairs, axis=1), len(arrays.points)))
-        near = arrays.cells[on[arrays.cells[:, : dimension + 1]].sum(axis=1) >= 2]
-        mids = []
-        for k, (i, j) in enumerate(edges):
-            cell_keys = _key(np.sort(near[:, [i, j]], axis=1), len(arrays.points))
-            mids.append(near[np.isin(cell_keys, pair_keys), dimension + 1 + k])
-        out[int(body)] = np.unique(np.concatenate([facets.ravel(), *mids]))
-    return out

@@ -1,9 +1,9 @@
 """Weak forms of the split displacement-pressure formulation with a follower cavity pressure.
 
-Potential (per reference volume; DESIGN and docs/decisions.md say why this form):
+Potential (docs/decisions.md says why this form):
 
     Pi(u, p) = int [ W(I1, I2) + p (J - 1) - p^2 / (2 kappa) ] dX  +  int_stiff psi dX
-             + 1/2 int_bond k |u - U|^2 dA  -  P V(u)
+             -  P V(u)          (+ the bond energy of rigid bodies, see solvers.rigid)
 
 with isochoric invariants I1, I2. ``1/kappa = 0`` is allowed. P acts on the cavity as a follower load with the
 potential -P V; V is the enclosed volume
@@ -101,41 +101,15 @@ def soft_stress_increment(k: Invariants, p: Any, law: CompiledLaw, h: Any, dp: A
 
 
 @dataclass(frozen=True)
-class Bond:
-    """An elastic layer between a surface and rigid bodies.
-
-    Attributes
-    ----------
-    normal, tangential
-        UFL constants, MPa/mm.
-    grade
-        Factor in [0, 1] on both, a function on the mesh.
-    body_motion
-        Displacement of the body each surface point is bonded to, a function in the mixed space, mm.
-    """
-
-    normal: Any
-    tangential: Any
-    grade: Any
-    body_motion: Any
-
-    def traction(self, kin: Kinematics, slip: Any) -> Any:
-        """Force per reference area for a relative displacement, MPa."""
-        n = kin.normal
-        along = ufl.inner(slip, n) * n
-        return self.grade * (self.normal * along + self.tangential * (slip - along))
-
-
-@dataclass(frozen=True)
 class Forms:
     """Compiled-ready UFL forms of a problem; names say what each assembles to."""
 
     internal_force: Any
     volume_gradient: Any
+    traction_load: Any
     tangent: Any
     energy: Any
     volume: Any
-    bond_stiffness: Any | None
 
 
 def build_forms(
@@ -146,7 +120,6 @@ def build_forms(
     inverse_kappa: Any,
     pressure: Any,
     stiff: StiffSolid | None,
-    bond: Bond | None,
     measures: dict[str, Any],
 ) -> Forms:
     """Forms of the potential in this module's heading.
@@ -161,15 +134,15 @@ def build_forms(
         UFL constants: 1/kappa (1/MPa) and the cavity pressure P (MPa).
     stiff
         Compressible solid on the measure ``stiff``: neo-Hooke ``mu/2 (I1 - 3 - 2 ln J) + lambda/2 (J - 1)^2``.
-    bond
-        Elastic layer on the measure ``bond``.
     measures
-        ``soft``, ``stiff`` (cells), ``cavity``, ``bond`` (facets).
+        ``soft``, ``stiff`` (cells) and ``cavity`` (facets).
 
     Returns
     -------
     Forms
         ``internal_force`` leaves the pressure load out; the residual is internal_force - P volume_gradient.
+        ``traction_load`` is the force of a unit cavity pressure without use of the potential; it equals
+        ``volume_gradient`` on all directions that respect the constraints of a closed cavity.
     """
     u, p = ufl.split(state)
     v, q = ufl.TestFunctions(space)
@@ -207,13 +180,5 @@ def build_forms(
     volume_gradient = ufl.derivative(volume, state, ufl.TestFunction(space))
     tangent += -pressure * ufl.derivative(volume_gradient, state, ufl.TrialFunction(space))
 
-    bond_stiffness = None
-    if bond is not None:
-        slip = kin.three(u) - kin.three(ufl.split(bond.body_motion)[0])
-        internal += ufl.inner(bond.traction(kin, slip), kin.three(v)) * m * measures["bond"]
-        bond_stiffness = (
-            ufl.inner(bond.traction(kin, kin.three(du)), kin.three(v)) * m * measures["bond"]
-        )
-        tangent += bond_stiffness
-        energy += 0.5 * ufl.inner(bond.traction(kin, slip), slip) * m * measures["bond"]
-    return Forms(internal, volume_gradient, tangent, energy, volume, bond_stiffness)
+    traction_load = -ufl.inner(k.cof * kin.normal, kin.three(v)) * m * measures["cavity"]
+    return Forms(internal, volume_gradient, traction_load, tangent, energy, volume)

@@ -102,6 +102,7 @@ def solve_equilibrium(
         problem.pressure.value = pressure_mpa
     error = np.inf
     reuse = False
+    factor_stale = True
     for iteration in range(settings.max_iterations + 1):
         residual, on_bodies, gradient, new_error = _residual(problem, volume_mm3)
         if not np.isfinite(new_error):
@@ -110,7 +111,7 @@ def solve_equilibrium(
             on_iteration(iteration, new_error)
         if new_error <= settings.relative_tolerance:
             det_f = _check_state(problem)
-            if factor.count == before:  # converged at once: the stability count still needs this state's tangent
+            if factor_stale:  # the stability count is that of the converged state
                 factor.refresh()
             return NewtonReport(iteration, factor.count - before, new_error, det_f, factor.excess_negatives)
         if new_error > 1e8 or iteration == settings.max_iterations:
@@ -168,7 +169,7 @@ def _advance(
 ) -> None:
     """Add the increment, halved until no cell comes near inversion."""
     array = problem.state.x.array
-    start, bodies = array.copy(), problem.body_values.copy()
+    start = array.copy()
     pressure = float(problem.pressure.value)
     fraction = 1.0
     for _ in range(settings.max_cuts + 1):
@@ -177,7 +178,8 @@ def _advance(
         det_f, i1, i2 = problem.extremes()
         in_range = i1 <= problem.law.invariant_limits[0] and i2 <= problem.law.invariant_limits[1]
         if det_f > settings.least_det_f and in_range:
-            problem.body_values[:] = bodies + fraction * body_step.reshape(bodies.shape)
+            if problem.bonded is not None:
+                problem.bonded.update(fraction * body_step)
             problem.pressure.value = pressure + fraction * pressure_step
             return
         fraction *= 0.5

@@ -120,8 +120,14 @@ def _take(problem: Problem) -> _Point:
 
 def _put(problem: Problem, point: _Point) -> None:
     problem.state.x.array[:] = point.array
-    problem.body_values[:] = point.bodies
+    _put_bodies(problem, point.bodies)
     problem.pressure.value = point.pressure
+
+
+def _put_bodies(problem: Problem, values: FloatArray) -> None:
+    if problem.bonded is not None:
+        problem.bonded.values[:] = values
+        problem.bonded.update(np.zeros(0))
 
 
 def _lagrange(nodes: Sequence[float], at: float) -> FloatArray:
@@ -136,10 +142,10 @@ def _lagrange(nodes: Sequence[float], at: float) -> FloatArray:
 
 def _extrapolate(problem: Problem, history: Sequence[_Point], volume: float) -> float:
     """Set the state to the polynomial in V through the last three states; returns the pressure there."""
-    last = history[-3:]
+    last, here = history[-3:], history[-1]
     weights = _lagrange([h.volume for h in last], volume)
     problem.state.x.array[:] = sum(w * h.array for w, h in zip(weights, last, strict=True))
-    problem.body_values[:] = sum(w * h.bodies for w, h in zip(weights, last, strict=True))
+    _put_bodies(problem, sum((w * h.bodies for w, h in zip(weights, last, strict=True)), 0.0 * here.bodies))
     pressure = float(sum(w * h.pressure for w, h in zip(weights, last, strict=True)))
     problem.pressure.value = pressure
     return pressure

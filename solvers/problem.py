@@ -11,7 +11,7 @@ import time
 from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import basix
@@ -26,38 +26,16 @@ from analytical.materials import StiffSolid
 from solvers import compat
 from solvers.domain import Domain, FloatArray, IntArray
 from solvers.errors import SolverError
-from solvers.forms import Bond, build_forms, invariants
+from solvers.forms import build_forms, invariants
 from solvers.kinematics import kinematics
 from solvers.laws import Law, compile_law
+from solvers.rigid import BondedBodies, RigidBodies, moved
 
 SOFT, STIFF = 1, 2  # material numbers of cells
 
 # Degree 4 integrates the split energy on quadratic tetrahedra to below the discretisation error; on meridians
 # the factor r and few cells make one more degree free. Measured in docs/decisions.md.
 QUADRATURE_DEGREE = {2: 5, 3: 4}
-
-
-@dataclass(frozen=True)
-class RigidBodies:
-    """Rigid bodies bonded to the solid by an elastic layer on the facets tagged ``bond``.
-
-    Attributes
-    ----------
-    normal_mpa_per_mm, tangential_mpa_per_mm
-        Stiffness of the layer per area.
-    grade
-        Factor on both at each caller's node, shape (nodes,).
-    centres_mm
-        Axial position of each body's centre, shape (bodies,).
-    arm_mm
-        Length that turns rotations into displacements, so that all unknowns are in mm.
-    """
-
-    normal_mpa_per_mm: float
-    tangential_mpa_per_mm: float
-    grade: FloatArray
-    centres_mm: FloatArray
-    arm_mm: float
 
 
 @dataclass(frozen=True)
@@ -160,21 +138,6 @@ class Problem:
         else:
             measures |= {"soft": dx(SOFT), "stiff": dx(STIFF)}
         self.law = compile_law(law, mesh)
-        bond = None
-        self.body_count = self.modes = 0
-        if bodies is not None and surfaces.bond is not None:
-            measures["bond"] = ds(surfaces.bond)
-            self.body_count = len(bodies.centres_mm)
-            self.modes = 1 if domain.axisymmetric else 6
-            self.body_motion = fem.Function(self.space)
-            bond = Bond(
-                fem.Constant(mesh, bodies.normal_mpa_per_mm),
-                fem.Constant(mesh, bodies.tangential_mpa_per_mm),
-                self._nodal_function(bodies.grade),
-                self.body_motion,
-            )
-        self.body_values = np.zeros((self.body_count, self.modes))
-
         with self.timer("compile"):
             forms = build_forms(
                 self.space,
@@ -184,10 +147,21 @@ class Problem:
                 fem.Constant(mesh, float(inverse_kappa)),
                 self.pressure,
                 stiff,
-                bond,
                 measures,
             )
+            self.bonded = None
+            if bodies is not None and surfaces.bond is not None:
+                grade = self._nodal_function(bodies.grade)
+                at = ds(surfaces.bond)
+                self.bonded = BondedBodies(domain, kin, self.space, self.state, bodies, at, grade)
+                forms = replace(
+                    forms,
+                    internal_force=forms.internal_force + self.bonded.force,
+                    tangent=forms.tangent + self.bonded.stiffness,
+                    energy=forms.energy + self.bonded.energy,
+                )
             self._internal = compat.compile_form(forms.internal_force)
+            self._traction_load = compat.compile_form(forms.traction_load)
             self._volume_gradient = compat.compile_form(forms.volume_gradient)
             self._tangent = compat.compile_form(forms.tangent)
             self._energy = compat.compile_form(forms.energy)
@@ -197,13 +171,14 @@ class Problem:
                 basix.CellType.triangle if self.dimension == 2 else basix.CellType.tetrahedron, degree
             )
             self._check = compat.compile_expression(ufl.as_vector([k.j, k.i1, k.i2]), points)
-            bond_form = None if forms.bond_stiffness is None else compat.compile_form(forms.bond_stiffness)
 
             q = ufl.TestFunctions(self.space)[1]
             unit_form = compat.compile_form(q * kin.measure * ufl.dx(domain=mesh, degree=degree))
 
         self._constrain(surfaces, stiff is not None)
-        self._border(bodies, bond_form)
+        self.extra = 0 if self.bonded is None else self.bonded.size
+        self.modes = 0 if self.bonded is None else self.bonded.modes
+        self._coupled = self._coupled_dofs()
         self.constrained_owned = self._is_constrained[: self.owned]
         self.shear_modulus_mpa = float(law.initial_shear_modulus_mpa)
         unit = compat.assemble_array(unit_form, self.index_map).array[: self.owned]
@@ -279,61 +254,27 @@ class Problem:
 
     # ---- rigid bodies ----------------------------------------------------------------------------------
 
-    def _border(self, bodies: RigidBodies | None, bond_form: Any | None) -> None:
-        """Constant coupling of rigid bodies: columns K_bond Phi and the small block Phi' K_bond Phi."""
-        self.extra = self.body_count * self.modes
-        self._mode_values: list[tuple[IntArray, FloatArray]] = []
-        if bodies is None or bond_form is None:
-            self._coupling = np.zeros((self.owned, 0))
-            self._body_block = np.zeros((0, 0))
-            self._coupled = np.empty(0, dtype=np.int64)
-            return
-        bond_matrix = compat.create_matrix(bond_form)
-        compat.assemble_into(bond_matrix, bond_form, [], self.space)
-        bond_matrix.assemble()
-        columns, modes = [], []
-        local_of = {int(g): k for k, g in enumerate(self.domain.input_node)}
-        x = self.domain.mesh.geometry.x
-        for body in range(self.body_count):
-            nodes = [local_of[int(g)] for g in self.domain.body_nodes[body] if int(g) in local_of]
-            local = np.array(nodes, dtype=np.int64)
-            arms = x[local] - np.array([0.0, 0.0, bodies.centres_mm[body]])
-            for mode in range(self.modes):
-                shape = self._mode_shape(mode, arms, bodies.arm_mm)
-                self._mode_values.append((local, shape))
-                phi = fem.Function(self.space)
-                used = self.u_dofs[local] >= 0
-                phi.x.array[self.u_dofs[local][used]] = shape[used]
-                phi.x.scatter_forward()
-                product = bond_matrix.createVecLeft()
-                bond_matrix.mult(phi.vector, product)
-                columns.append(-product.array.copy())
-                modes.append(phi.x.array[: self.owned].copy())
-        self._coupling = np.stack(columns, axis=1)
-        stacked = np.stack(modes, axis=1)
-        self._body_block = -self.comm.allreduce(stacked.T @ self._coupling, op=MPI.SUM)
-        self._coupling[self._is_constrained[: self.owned]] = 0.0
-        self._coupled = np.flatnonzero(np.any(self._coupling != 0.0, axis=1))
+    def _coupled_dofs(self) -> list[IntArray]:
+        """Owned displacement dofs bonded to each body."""
+        if self.bonded is None:
+            return []
+        # Each body in turn displaced by a unit: its dofs are those the bond then pulls.
+        pulled = []
+        columns = np.any(self.bonded.columns() != 0.0, axis=1) & ~self._is_constrained[: self.owned]
+        for cells in self.bonded.cells:
+            mine = np.zeros(self.local, dtype=np.float64)
+            for i in range(self.dimension):
+                mine[compat.cell_dofs(self.space.sub(0).sub(i))[cells]] = 1.0
+            touched = compat.la.vector(self.index_map, 1)
+            touched.array[:] = mine
+            touched.scatter_reverse(compat.la.ScatterMode.add)
+            pulled.append(np.flatnonzero((touched.array[: self.owned] > 0.0) & columns))
+        return pulled
 
-    def _mode_shape(self, mode: int, arms: FloatArray, arm_mm: float) -> FloatArray:
-        """Displacement of points of a body for a unit of one motion, shape (n, d)."""
-        if self.domain.axisymmetric:
-            return np.tile([0.0, 1.0], (len(arms), 1))
-        if mode < 3:
-            return np.tile(np.eye(3)[mode], (len(arms), 1))
-        return np.cross(np.eye(3)[mode - 3], arms) / arm_mm
-
-    def _move_bodies(self) -> None:
-        """Write the bodies' motions into the function the bond form reads."""
-        if not self.extra:
-            return
-        array = self.body_motion.x.array
-        array[:] = 0.0
-        for (local, shape), value in zip(self._mode_values, self.body_values.ravel(), strict=True):
-            dofs = self.u_dofs[local]
-            used = dofs >= 0
-            array[dofs[used]] += value * shape[used]
-        self.body_motion.x.scatter_forward()
+    @property
+    def body_values(self) -> FloatArray:
+        """Body unknowns, mm, shape (bodies, modes)."""
+        return np.zeros((0, 0)) if self.bonded is None else self.bonded.values
 
     # ---- assembly --------------------------------------------------------------------------------------
 
@@ -357,7 +298,10 @@ class Problem:
         last = self.comm.rank == self.comm.size - 1
         indptr, indices, values = plain.getValuesCSR()
         base = scipy.sparse.csr_matrix((np.ones(len(values)), indices, indptr), shape=(self.owned, size))
-        row, column = np.nonzero(self._coupling)
+        row = np.concatenate([np.repeat(d, self.modes) for d in self._coupled])
+        column = np.concatenate(
+            [np.tile(np.arange(k * self.modes, (k + 1) * self.modes), len(d)) for k, d in enumerate(self._coupled)]
+        )
         right = scipy.sparse.csr_matrix((np.ones(len(row)), (row, total + column)), shape=(self.owned, size))
         pattern = base + right
         first = self.index_map.local_range[0]
@@ -386,36 +330,31 @@ class Problem:
         with self.timer("tangent"):
             matrix.zeroEntries()
             compat.assemble_into(matrix, self._tangent, self.bcs, self.space)
-            if self.extra:
-                first = self.index_map.local_range[0]
-                total = self.index_map.size_global
-                rows = (self._coupled + first).astype(PETSc.IntType)
-                columns = np.arange(total, total + self.extra, dtype=PETSc.IntType)
-                add = PETSc.InsertMode.ADD_VALUES
+            if self.bonded is not None:
                 matrix.assemblyBegin(PETSc.Mat.AssemblyType.FLUSH)
                 matrix.assemblyEnd(PETSc.Mat.AssemblyType.FLUSH)
-                per_row, per_column = np.nonzero(self._coupling[self._coupled])
-                for column in range(self.extra):
-                    mine = rows[per_row[per_column == column]]
-                    block = self._coupling[self._coupled][per_row[per_column == column], column]
-                    target = columns[column : column + 1]
-                    matrix.setValues(mine, target, block[:, None], addv=add)
-                    matrix.setValues(target, mine, block[None, :], addv=add)
-                if self.comm.rank == self.comm.size - 1:
-                    matrix.setValues(columns, columns, self._body_block, addv=add)
+                self._add_border(matrix, self.bonded)
             matrix.assemble()
+
+    def _add_border(self, matrix: PETSc.Mat, bonded: BondedBodies) -> None:
+        """Add the bodies' rows, columns and blocks."""
+        first, total = self.index_map.local_range[0], self.index_map.size_global
+        columns, blocks = bonded.columns(), bonded.blocks()
+        add = PETSc.InsertMode.ADD_VALUES
+        for body, dofs in enumerate(self._coupled):
+            here = (dofs + first).astype(PETSc.IntType)
+            there = np.arange(self.modes, dtype=PETSc.IntType) + (total + body * self.modes)
+            values = columns[dofs]
+            matrix.setValues(here, there, values, addv=add)
+            matrix.setValues(there, here, np.ascontiguousarray(values.T), addv=add)
+            if self.comm.rank == self.comm.size - 1:
+                matrix.setValues(there, there, blocks[body], addv=add)
 
     def internal_force(self) -> tuple[FloatArray, FloatArray]:
         """Internal force on the owned dofs (owned,) and on the bodies (extra,), constraints not yet applied."""
         with self.timer("residual"):
-            self._move_bodies()
             force = compat.assemble_array(self._internal, self.index_map).array[: self.owned].copy()
-            on_bodies = np.zeros(self.extra)
-            if self.extra:
-                # -K_bond (u - Phi q) projected on the modes, with K_bond constant
-                local = self._coupling.T @ self.state.x.array[: self.owned]
-                on_bodies = self.comm.allreduce(local, op=MPI.SUM) + self._body_block @ self.body_values.ravel()
-            return force, on_bodies
+            return force, np.zeros(0) if self.bonded is None else self.bonded.forces()
 
     def volume_gradient(self) -> FloatArray:
         """dV/dw on the owned dofs, mm^2, shape (owned,)."""
@@ -428,13 +367,16 @@ class Problem:
 
     def energy(self) -> float:
         """Stored energy of solid and bond, mJ."""
-        self._move_bodies()
         return compat.assemble_scalar(self._energy, self.comm)
 
     def reaction(self) -> float:
-        """Axial force of the support on the clamped surface, N."""
+        """Axial force of the support on the clamped surface, N.
+
+        Uses the traction form: the potential's derivative differs from it on the clamped edge.
+        """
         force, _ = self.internal_force()
-        total = force - float(self.pressure.value) * self.volume_gradient()
+        load = compat.assemble_array(self._traction_load, self.index_map).array[: self.owned]
+        total = force - float(self.pressure.value) * load
         return float(self.comm.allreduce(float(total[self._clamped_axial].sum()), op=MPI.SUM))
 
     def extremes(self) -> tuple[float, float, float]:
@@ -466,7 +408,9 @@ class Problem:
         self.state.x.scatter_forward()
         if state.bodies_mm.shape != self.body_values.shape:
             raise SolverError(f"state has bodies of shape {state.bodies_mm.shape}, need {self.body_values.shape}")
-        self.body_values[:] = state.bodies_mm
+        if self.bonded is not None:
+            self.bonded.values[:] = state.bodies_mm
+            self.bonded.update(np.zeros(0))
         self.pressure.value = state.load_mpa
 
     def get_state(self) -> State:
@@ -490,6 +434,6 @@ class Problem:
         return State(
             np.zeros((self.domain.nodes, self.dimension)),
             np.zeros(self.domain.nodes),
-            np.zeros((self.body_count, self.modes)),
+            np.zeros(self.body_values.shape),
             0.0,
         )
