@@ -43,11 +43,23 @@ class Resolution:
         Factor on all counts: 1, 2, 4, ...
     """
 
-    through: int = 2
-    cell_mm: float = 1.0
+    through: int
+    cell_mm: float
     arc_rad: float = math.pi / 6
     cap_cells: int = 4
     refinement: int = 1
+
+
+def default_resolution(shape: BellowsShape, refinement: int = 1) -> Resolution:
+    """The coarsest resolution worth using: cells no longer than 2/3 mm through the wall and half a wall along it.
+
+    At 20 kPa its tip is within 0.5 % of the converged one for walls of 1 and 2 mm (``make study`` prints it).
+    """
+    return Resolution(
+        through=max(2, math.ceil(1.5 * shape.wall_mm - 1e-9)),
+        cell_mm=0.5 * shape.wall_mm,
+        refinement=refinement,
+    )
 
 
 @dataclass(frozen=True)
