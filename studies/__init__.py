@@ -1,0 +1,1 @@
+"""Scenes, plans, runs, comparison rows, reports and the command line."""

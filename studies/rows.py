@@ -1,0 +1,100 @@
+"""Comparison rows: one row per number; every table, plot and verdict is rendered from them."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Row:
+    """One number and what it is compared with.
+
+    Attributes
+    ----------
+    scene
+        Name of the scene.
+    quantity, unit
+        For instance ``tip_mm`` and ``mm``.
+    pressure_kpa
+        Cavity pressure.
+    rung
+        ``closed_form``, ``closed_form_seat``, ``axisymmetric``, ``full3d``, or ``paper_…`` for printed values.
+    level
+        Mesh or variant within the rung, for instance ``r4`` or ``n24``; empty if there is one only.
+    value
+        The number; NaN if it was not reached.
+    uncertainty
+        Discretisation uncertainty in the same unit; NaN where the rung has none (closed form, print) or where
+        fewer than three levels were run.
+    reference, source
+        The value it is compared with and where that comes from; NaN and empty if it is compared with nothing.
+    error_percent
+        100 (value - reference) / |reference|; NaN without a reference.
+    status
+        ``reached``, or ``stopped at … kPa: why``.
+    """
+
+    scene: str
+    quantity: str
+    unit: str
+    pressure_kpa: float
+    rung: str
+    level: str
+    value: float
+    uncertainty: float
+    reference: float
+    source: str
+    error_percent: float
+    status: str
+
+
+def row(
+    scene: str,
+    quantity: str,
+    unit: str,
+    pressure_kpa: float,
+    rung: str,
+    value: float,
+    level: str = "",
+    uncertainty: float = math.nan,
+    reference: float = math.nan,
+    source: str = "",
+    status: str = "reached",
+) -> Row:
+    """Make a row and fill in its error in percent."""
+    error = 100.0 * (value - reference) / abs(reference) if reference else math.nan
+    return Row(
+        scene, quantity, unit, pressure_kpa, rung, level, value, uncertainty, reference, source, error, status
+    )
+
+
+COLUMNS = tuple(f.name for f in fields(Row))
+_NUMBERS = {f.name for f in fields(Row) if f.type == "float"}
+
+
+def write_rows(path: Path, rows: Iterable[Row]) -> None:
+    """Write rows as CSV; numbers with nine digits, NaN as an empty field."""
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        for entry in rows:
+            writer.writerow([_text(getattr(entry, name)) for name in COLUMNS])
+
+
+def read_rows(path: Path) -> list[Row]:
+    """Read rows written by `write_rows`."""
+    with path.open(newline="", encoding="utf-8") as stream:
+        return [
+            Row(**{k: (float(v) if v else math.nan) if k in _NUMBERS else v for k, v in entry.items()})
+            for entry in csv.DictReader(stream)
+        ]
+
+
+def _text(value: str | float) -> str:
+    if isinstance(value, str):
+        return value
+    return "" if math.isnan(value) else f"{value:.9g}"
