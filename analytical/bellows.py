@@ -303,9 +303,7 @@ def closed_form(dimensions: BellowsDimensions, law: Law, pressure_kpa: ArrayLike
     """
     pressures_kpa = np.atleast_1d(np.asarray(pressure_kpa, dtype=float))
     if pressures_kpa.ndim != 1 or not np.all(np.isfinite(pressures_kpa)) or np.any(pressures_kpa < 0.0):
-        raise BellowsError(
-            f"pressure_kpa = {pressure_kpa!r} must be finite and not negative, in one dimension"
-        )
+        raise BellowsError(f"pressure_kpa = {pressure_kpa!r} must be finite and not negative, in one dimension")
     pressures_mpa = 1e-3 * pressures_kpa
     d = dimensions
     root = Tube(d.root_radius_mm, d.root_radius_mm + d.wall_mm)
@@ -322,8 +320,7 @@ def closed_form(dimensions: BellowsDimensions, law: Law, pressure_kpa: ArrayLike
     return ClosedFormPath(
         pressure_kpa=pressures_kpa,
         root_stretch=root_stretch,
-        root_inner_stretch=np.array([inner_radius_at_outer_mm(root, r) for r in outer])
-        / root.inner_radius_mm,
+        root_inner_stretch=np.array([inner_radius_at_outer_mm(root, r) for r in outer]) / root.inner_radius_mm,
         wall_stretch=wall_stretch,
         wall_stress_mpa=wall_stress,
         half_pitch_deformed_mm=half_pitch,

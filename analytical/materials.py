@@ -170,11 +170,7 @@ class Ogden:
     @property
     def prefactor_mpa(self) -> float:
         """Factor k of W = k (sum l^alpha - 3), MPa."""
-        return (
-            2.0 * self.mu_mpa / self.alpha**2
-            if self.convention == "2mu/alpha^2"
-            else self.mu_mpa / self.alpha
-        )
+        return 2.0 * self.mu_mpa / self.alpha**2 if self.convention == "2mu/alpha^2" else self.mu_mpa / self.alpha
 
     @property
     def initial_shear_modulus_mpa(self) -> float:

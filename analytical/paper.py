@@ -140,9 +140,7 @@ class PaperActuator:
 
 def actuators(family: InferredFamily = REFERENCE_FAMILY) -> tuple[PaperActuator, ...]:
     """The four actuators of a family, in the order of `PRINTED`."""
-    return tuple(
-        _actuator(family, row, silicone) for row, silicone in zip(PRINTED, family.silicones, strict=True)
-    )
+    return tuple(_actuator(family, row, silicone) for row, silicone in zip(PRINTED, family.silicones, strict=True))
 
 
 def printed(

@@ -78,8 +78,7 @@ def inner_radius_at_outer_mm(tube: Tube, outer_mm: float) -> float:
     wall_area = (tube.outer_radius_mm**2 - tube.inner_radius_mm**2) / tube.axial_stretch
     if outer_mm**2 <= wall_area:
         raise TubeError(
-            f"deformed outer radius {outer_mm:g} mm leaves no bore: the wall alone fills "
-            f"{math.sqrt(wall_area):g} mm"
+            f"deformed outer radius {outer_mm:g} mm leaves no bore: the wall alone fills {math.sqrt(wall_area):g} mm"
         )
     return math.sqrt(outer_mm**2 - wall_area)
 
@@ -208,9 +207,7 @@ def _axial_minus_radial(tube: Tube, law: Law, radius_mm: ArrayLike, deformed_mm:
     return law.stress_difference(tube.axial_stretch, 1.0 / (hoop * tube.axial_stretch), hoop)
 
 
-def _quadrature(
-    tube: Tube, inner_mm: float, from_radius_mm: ArrayLike
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _quadrature(tube: Tube, inner_mm: float, from_radius_mm: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Points R, r and weights of d(ln r) from undeformed radius `from_radius_mm` to B; shape (..., 48)."""
     begin = np.asarray(from_radius_mm, dtype=float)[..., None]
     a, inner, stretch = inner_mm, tube.inner_radius_mm, tube.axial_stretch

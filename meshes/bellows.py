@@ -80,15 +80,19 @@ class Segment:
     Attributes
     ----------
     kind
-        ``collar``, ``seat``, ``crest``, ``side``, ``root``, ``corner`` or ``cap``.
+        ``collar``, ``seat``, ``crest``, ``side`` or ``root``.
     length_mm
-        Length of its centreline, for choosing the number of cells.
+        Length of its centreline.
     angle_rad
         Angle it turns through (0 for straight pieces).
-    inner, outer
-        Arrays (m, 2) of (r, z) sampled by ``stations``; stored as callables of the fraction in [0, 1].
+    start
+        (r, z) where its centreline starts, mm.
+    wall_mm
+        Wall thickness.
+    tangent_start_rad, tangent_end_rad
+        Angle of the centreline to the axis, positive where the radius shrinks.
     index
-        Number of the crest (seat) or root it belongs to.
+        Number of the crest or root it belongs to.
     """
 
     kind: str

@@ -8,6 +8,7 @@ and a mesh of simplices share all nodes. Meshed rings are triangulated by gmsh a
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +22,7 @@ from meshes.bellows import (
     wall_segments,
 )
 from meshes.errors import GeometryError
+from meshes.quality import jacobians
 from meshes.ring import RingShape, ring_triangles
 from meshes.solid import FACETS, REGIONS, TRIANGLE_EDGES, IntArray, SolidMesh
 
@@ -82,7 +84,7 @@ def bellows_band(shape: BellowsShape, resolution: Resolution) -> Band:
     kinds: list[str] = []
     index: list[int] = []
 
-    def add(kind: str, count: int, number: int, band) -> None:  # type: ignore[no-untyped-def]
+    def add(kind: str, count: int, number: int, band: Callable[[FloatArray], tuple[FloatArray, FloatArray]]) -> None:
         first = 1 if inner else 0  # neighbours share their end station
         fraction = np.linspace(0.0, 1.0, 2 * count + 1)[first:]
         side_in, side_out = band(fraction)
@@ -166,7 +168,8 @@ def meridian_mesh(shape: BellowsShape, resolution: Resolution, ring: RingShape |
     layers = 2 * resolution.through * resolution.refinement + 1
     stations = len(band.inner)
     weight = np.linspace(0.0, 1.0, layers)[None, :, None]
-    points = ((1.0 - weight) * band.inner[:, None, :] + weight * band.outer[:, None, :]).reshape(-1, 2)
+    lattice = (1.0 - weight) * band.inner[:, None, :] + weight * band.outer[:, None, :]
+    points = np.asarray(lattice, dtype=np.float64).reshape(-1, 2)
     points[np.abs(points[:, 0]) < 1e-12, 0] = 0.0
     node = np.arange(stations * layers).reshape(stations, layers)
 
@@ -234,7 +237,6 @@ def _join_rings(
     """Mesh one ring with gmsh, copy it to every seat and merge its nodes with the seat's."""
     seat_edges = edges[tags == FACETS["bond"]]
     seat_bodies = bodies[tags == FACETS["bond"]]
-    seat_z = np.unique(np.round(points[seat_edges[seat_bodies == 1]].ravel(), 9))
     seat_corners = points[np.unique(seat_edges[seat_bodies == 1])]
     crest_z = shape.crest_positions_mm
     seat_z = np.sort(seat_corners[:, 1]) - crest_z[1]
@@ -276,8 +278,6 @@ def _join_rings(
 
 
 def _refuse_folded(points: FloatArray, cells: IntArray) -> None:
-    from meshes.quality import jacobians
-
     signed = jacobians(points, cells)
     signed = signed * np.sign(signed.mean(axis=1, keepdims=True))
     worst = int(np.argmin(signed.min(axis=1)))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshes.solid import REGIONS, TETRAHEDRON_EDGES, TRIANGLE_EDGES, FloatArray, IntArray, SolidMesh
+from meshes.solid import FACETS, REGIONS, TETRAHEDRON_EDGES, TRIANGLE_EDGES, FloatArray, IntArray, SolidMesh
 
 
 def _simplex_rule(dimension: int, points_per_axis: int = 4) -> tuple[FloatArray, FloatArray]:
@@ -17,7 +17,7 @@ def _simplex_rule(dimension: int, points_per_axis: int = 4) -> tuple[FloatArray,
     points, weights = [], []
     for combo in itertools.product(range(points_per_axis), repeat=dimension):
         position, left, weight = [], 1.0, 1.0
-        for axis, k in enumerate(combo):
+        for k in combo:
             position.append(x[k] * left)
             weight *= w[k] * left
             left *= 1.0 - x[k]
@@ -87,8 +87,6 @@ def mesh_quality(mesh: SolidMesh) -> MeshQuality:
     """Measure a mesh; see `MeshQuality`."""
     values = np.abs(jacobians(mesh.points, mesh.cells))
     boundary = np.zeros(len(mesh.points), dtype=bool)
-    from meshes.solid import FACETS
-
     boundary[mesh.facets[mesh.facet_tags != FACETS["axis"]].ravel()] = True
     corners = mesh.cells[:, : mesh.dimension + 1]
     return MeshQuality(

@@ -7,10 +7,12 @@ mesh has mirror planes and prefers no sense of twist. Prisms that touch the axis
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from meshes.errors import GeometryError
-from meshes.solid import TETRAHEDRON_EDGES, TRIANGLE_EDGES, FloatArray, IntArray, SolidMesh
+from meshes.solid import FACETS, TETRAHEDRON_EDGES, TRIANGLE_EDGES, FloatArray, IntArray, SolidMesh
 
 # Corners of the three tetrahedra of a prism: (meridian corner in ascending order, 0 = this side, 1 = that).
 _PRISM_TETS = (
@@ -67,11 +69,10 @@ def revolve(meridian: SolidMesh, around: int) -> SolidMesh:
         h = np.stack([np.tile(that_side if s else this_side, len(order)) for _, s in corners], axis=1)
         corner_nodes = node(m, h)
         mids = np.stack([middle(m[:, i], h[:, i], m[:, j], h[:, j]) for i, j in TETRAHEDRON_EDGES], axis=1)
-        flat = np.array([len(set(c)) < 4 for c in corner_nodes]) if on_axis[order].any() else None
-        block = np.hstack([corner_nodes, mids])
-        label = np.repeat(meridian.regions, around)
-        cells.append(block if flat is None else block[~flat])
-        regions.append(label if flat is None else label[~flat])
+        ordered = np.sort(corner_nodes, axis=1)
+        solid = (ordered[:, 1:] != ordered[:, :-1]).all(axis=1)  # on the axis corners of a prism coincide
+        cells.append(np.hstack([corner_nodes, mids])[solid])
+        regions.append(np.repeat(meridian.regions, around)[solid])
 
     facets, tags, bodies = _sweep_facets(meridian, node, this_side, that_side)
     lattice_cells = np.vstack(cells)
@@ -94,7 +95,7 @@ def revolve(meridian: SolidMesh, around: int) -> SolidMesh:
     )
 
 
-def _edge_table(meridian: SolidMesh):  # type: ignore[no-untyped-def]
+def _edge_table(meridian: SolidMesh) -> Callable[[IntArray, IntArray], IntArray]:
     """Function giving the mid-edge node of a pair of meridian corners."""
     n = len(meridian.points)
     keys, mids = [], []
@@ -112,10 +113,13 @@ def _edge_table(meridian: SolidMesh):  # type: ignore[no-untyped-def]
     return edge_mid
 
 
-def _sweep_facets(meridian, node, this_side: IntArray, that_side: IntArray):  # type: ignore[no-untyped-def]
+def _sweep_facets(
+    meridian: SolidMesh,
+    node: Callable[[IntArray, IntArray], IntArray],
+    this_side: IntArray,
+    that_side: IntArray,
+) -> tuple[IntArray, IntArray, IntArray]:
     """Triangles of the swept boundary edges in lattice numbers, with their tags and bodies."""
-    from meshes.solid import FACETS
-
     keep = meridian.facet_tags != FACETS["axis"]
     edges = meridian.facets[keep]
     around = len(this_side)
@@ -125,9 +129,7 @@ def _sweep_facets(meridian, node, this_side: IntArray, that_side: IntArray):  # 
         h = np.stack([np.tile(that_side if s else this_side, len(edges)) for _, s in corners], axis=1)
         triangle = node(m, h)
         solid = (
-            (triangle[:, 0] != triangle[:, 1])
-            & (triangle[:, 1] != triangle[:, 2])
-            & (triangle[:, 0] != triangle[:, 2])
+            (triangle[:, 0] != triangle[:, 1]) & (triangle[:, 1] != triangle[:, 2]) & (triangle[:, 0] != triangle[:, 2])
         )
         facets.append(triangle[solid])
         tags.append(np.repeat(meridian.facet_tags[keep], around)[solid])

@@ -15,12 +15,14 @@ from petsc4py import PETSc
 
 # -O2 alone leaves the 81 gradient products per quadrature point scalar; -march=native lets the compiler
 # vectorise them. No -ffast-math: NaN must stay visible to the checks.
-JIT = {"cffi_extra_compile_args": ["-O3", "-march=native", "-fno-math-errno"], "cffi_libraries": ["m"], "timeout": 600}
+JIT = {
+    "cffi_extra_compile_args": ["-O3", "-march=native", "-fno-math-errno"],
+    "cffi_libraries": ["m"],
+    "timeout": 600,
+}
 
 
-def make_mesh(
-    comm: MPI.Comm, cells: NDArray[np.int64], points: NDArray[np.float64], degree: int = 2
-) -> dmesh.Mesh:
+def make_mesh(comm: MPI.Comm, cells: NDArray[np.int64], points: NDArray[np.float64], degree: int = 2) -> dmesh.Mesh:
     """Create a simplex mesh with curved cells; every rank passes its share of cells and points."""
     gdim = points.shape[1]
     shape = {2: "triangle", 3: "tetrahedron"}[gdim]
@@ -85,9 +87,7 @@ def assemble_array(form: Any, index_map: Any) -> la.VectorMetaClass:
     """Assemble a linear form; contributions are summed on the owners, ghosts are not updated."""
     vector = la.vector(index_map, 1)
     vector.array[:] = 0.0
-    cpp.fem.assemble_vector(
-        vector.array, form, cpp.fem.pack_constants(form), cpp.fem.pack_coefficients(form)
-    )
+    cpp.fem.assemble_vector(vector.array, form, cpp.fem.pack_constants(form), cpp.fem.pack_coefficients(form))
     vector.scatter_reverse(la.ScatterMode.add)
     return vector
 

@@ -130,9 +130,7 @@ def create_domain(comm: MPI.Comm, arrays: MeshArrays | None) -> Domain:
     which = order[place[hit]]
     tagged = own[hit]
     ascending = np.argsort(tagged)
-    facet_tags = dmesh.meshtags(
-        mesh, gdim - 1, tagged[ascending], tags[which][ascending].astype(np.int32)
-    )
+    facet_tags = dmesh.meshtags(mesh, gdim - 1, tagged[ascending], tags[which][ascending].astype(np.int32))
     return Domain(comm, mesh, gdim == 2, cell_tags, facet_tags, bodies[which][ascending], input_node, node_count)
 
 
@@ -142,4 +140,3 @@ def _key(rows: IntArray, base: int) -> IntArray:
     for column in range(1, rows.shape[1]):
         key = key * base + rows[:, column]
     return key
-

@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import ufl
-from dolfinx import fem
 
 from analytical.materials import StiffSolid
 from solvers.kinematics import Kinematics, cofactor
@@ -81,9 +80,7 @@ def soft_stress_increment(k: Invariants, p: Any, law: CompiledLaw, h: Any, dp: A
     s = ufl.inner(g, h)  # dJ / J
     turn = g * h.T * g  # -d(F^-T)
     d1 = ufl.inner(a1, h)
-    da1 = (
-        s1 * 2.0 * h - (4.0 / 3.0) * s1 * s * k.f - (2.0 / 3.0) * d1 * g + (2.0 / 3.0) * k.i1 * turn
-    )
+    da1 = s1 * 2.0 * h - (4.0 / 3.0) * s1 * s * k.f - (2.0 / 3.0) * d1 * g + (2.0 / 3.0) * k.i1 * turn
     out = w[2, 0] * d1 * a1 + w[1, 0] * da1 + (dp + p * s) * k.cof - p * k.j * turn
     if not law.uses_second_invariant:
         return out
@@ -91,12 +88,7 @@ def soft_stress_increment(k: Invariants, p: Any, law: CompiledLaw, h: Any, dp: A
     d2 = ufl.inner(a2, h)
     b = k.i1_full * k.f - k.f * k.c
     db = 2.0 * ufl.inner(k.f, h) * k.f + k.i1_full * h - h * k.c - k.f * (h.T * k.f + k.f.T * h)
-    da2 = (
-        s1**2 * 2.0 * db
-        - (8.0 / 3.0) * s1**2 * s * b
-        - (4.0 / 3.0) * d2 * g
-        + (4.0 / 3.0) * k.i2 * turn
-    )
+    da2 = s1**2 * 2.0 * db - (8.0 / 3.0) * s1**2 * s * b - (4.0 / 3.0) * d2 * g + (4.0 / 3.0) * k.i2 * turn
     return out + w[1, 1] * (d2 * a1 + d1 * a2) + w[0, 2] * d2 * a2 + w[0, 1] * da2
 
 
@@ -154,9 +146,13 @@ def build_forms(
 
     internal = (ufl.inner(soft_stress(k, p, law), grad_v) + q * (k.j - 1.0 - inverse_kappa * p)) * m * dx
     tangent = (
-        ufl.inner(soft_stress_increment(k, p, law, grad_du, dp), grad_v)
-        + q * (ufl.inner(k.cof, grad_du) - inverse_kappa * dp)
-    ) * m * dx
+        (
+            ufl.inner(soft_stress_increment(k, p, law, grad_du, dp), grad_v)
+            + q * (ufl.inner(k.cof, grad_du) - inverse_kappa * dp)
+        )
+        * m
+        * dx
+    )
     w = law.derivatives(k.i1, k.i2)[0, 0]
     # p (J - 1) - p^2/(2 kappa) at stationary p is the volumetric energy; zero when incompressible.
     energy = (w + 0.5 * inverse_kappa * p * p) * m * dx
@@ -169,9 +165,7 @@ def build_forms(
         h = grad_du
         turn = k.f_inv_t * h.T * k.f_inv_t
         s = ufl.inner(k.cof, h)
-        stress_increment = mu * (h + turn) + lam * (
-            (s + (k.j - 1.0) * s / k.j) * k.cof - (k.j - 1.0) * k.j * turn
-        )
+        stress_increment = mu * (h + turn) + lam * ((s + (k.j - 1.0) * s / k.j) * k.cof - (k.j - 1.0) * k.j * turn)
         internal += ufl.inner(stress, grad_v) * m * dxs
         tangent += ufl.inner(stress_increment, grad_v) * m * dxs
         energy += stored * dxs

@@ -113,5 +113,3 @@ class Factor:
         if self.solver.getConvergedReason() < 0 or not problem.comm.allreduce(int(finite), op=MPI.MIN):
             raise StepFailed("the linear solve returned a value that is not finite")
         return dofs, bodies
-
-

@@ -6,6 +6,7 @@ b = K^-1 g give ``dP = (V* - V + g.a) / (g.b)`` and ``dw = -a + b dP`` from one 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -71,7 +72,7 @@ def solve_equilibrium(
     settings: NewtonSettings,
     pressure_mpa: float | None = None,
     volume_mm3: float | None = None,
-    on_iteration=None,  # type: ignore[no-untyped-def]
+    on_iteration: Callable[[int, float], None] | None = None,
 ) -> NewtonReport:
     """Bring the problem's current state to equilibrium at a pressure or a volume (give exactly one).
 
@@ -136,9 +137,7 @@ def _dot(problem: Problem, a: FloatArray, b: FloatArray) -> float:
     return float(problem.comm.allreduce(float(a @ b), op=MPI.SUM))
 
 
-def _residual(
-    problem: Problem, volume_mm3: float | None
-) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+def _residual(problem: Problem, volume_mm3: float | None) -> tuple[FloatArray, FloatArray, FloatArray, float]:
     """Residual on dofs and bodies, dV/dw, and the relative error of the state."""
     force, on_bodies = problem.internal_force()
     gradient = problem.volume_gradient()

@@ -16,6 +16,7 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -77,7 +78,7 @@ def power_trace(alpha: float, poles: int = POLES) -> PowerTrace:
 
 def _stieltjes_fit(g: float, poles: int) -> tuple[FloatArray, FloatArray, float]:
     """Poles, weights and constant of ``x^(-g)`` on FIT_RANGE, relative accuracy."""
-    x = np.exp(np.linspace(*np.log(FIT_RANGE), 800))
+    x = np.geomspace(*FIT_RANGE, 800)
     f = x**-g
     free = np.ones(len(x), dtype=bool)
     support: list[int] = []
@@ -148,7 +149,7 @@ def _polynomial(coefficients: FloatArray, first, second, d1: int, d2: int):  # t
 DERIVATIVES = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 
 
-def trace_derivatives(i1, i2, shape: PowerTrace, constant, poles, weights) -> dict[tuple[int, int], object]:  # type: ignore[no-untyped-def]
+def trace_derivatives(i1, i2, shape: PowerTrace, constant, poles, weights) -> dict[tuple[int, int], Any]:  # type: ignore[no-untyped-def]
     """Value and derivatives up to second order of the power trace with respect to (I1, I2).
 
     Parameters

@@ -268,60 +268,55 @@ def follow_guesses(
     settings: PathSettings,
     progress: Progress | None = None,
     on_state: Callable[[PathState], None] | None = None,
+    start: tuple[State, State] | None = None,
 ) -> Path:
     """Solve at the pressures of given first guesses, each corrected by what the previous one lacked.
 
-    Falls back to halving the way between the last converged state and the guess if Newton fails.
+    If Newton fails from a guess, the way to it from the last converged state is gone in smaller parts.
 
     Parameters
     ----------
     guesses
         States close to the wanted ones, in order; their ``load_mpa`` are the asked pressures.
+    settings
+        Its Newton settings are used.
+    progress, on_state
+        As in `follow_path`.
+    start
+        A converged state and the guess it came from, to go on after an interruption; default unloaded.
 
     Returns
     -------
     Path
     """
-    start = time.perf_counter()
+    begin = time.perf_counter()
     states: list[PathState] = []
     rejected = 0
-    reason = ""
-    zero = problem.zero_state()
-    last, last_guess = zero, zero
-    for guess in guesses:
-        done, share, part = 0.0, 1.0, 1.0
-        while done < 1.0:
-            part = min(1.0, done + share)
-            target = _blend(last_guess, guess, part)
+    last, last_guess = start if start is not None else (problem.zero_state(), problem.zero_state())
+    for goal in guesses:
+        share = 1.0
+        while True:
+            target = goal if share >= 1.0 else _blend(last_guess, goal, share)
             problem.set_state(_shift(target, last, last_guess))
-            seen = None
-            if progress is not None:
-                seen = lambda k, e, b=target.load_mpa: progress("warm start", b, k, e)  # noqa: E731
+            pressure = target.load_mpa
+            seen = None if progress is None else (lambda k, e, b=pressure: progress("warm start", b, k, e))
             try:
-                report = solve_equilibrium(
-                    problem, factor, settings.newton, pressure_mpa=target.load_mpa, on_iteration=seen
-                )
+                report = solve_equilibrium(problem, factor, settings.newton, pressure_mpa=pressure, on_iteration=seen)
             except StepFailed as failure:
                 rejected += 1
                 share *= 0.5
-                if share < 0.05:
-                    reason = f"no equilibrium found from the warm start at {1e3 * target.load_mpa:g} kPa: {failure}"
-                    break
+                if share < 1.0 / 32.0:
+                    reason = f"no equilibrium found from the warm start at {1e3 * pressure:g} kPa: {failure}"
+                    return Path(tuple(states), False, reason, rejected)
                 continue
-            done = part
-            record = _record(problem, report, done >= 1.0, "pressure", start)
-            states.append(record)
+            states.append(_record(problem, report, share >= 1.0, "pressure", begin))
             if on_state is not None:
-                on_state(record)
-            if done < 1.0:
-                last, last_guess = record.state, target
-                guess_rest = guess
-                share = min(1.0, 2.0 * share)
-                guess, done = guess_rest, 0.0
-        if reason:
-            break
-        last, last_guess = states[-1].state, guess
-    return Path(tuple(states), not reason, reason, rejected)
+                on_state(states[-1])
+            last, last_guess = states[-1].state, target
+            if share >= 1.0:
+                break
+            share = min(1.0, 2.0 * share)
+    return Path(tuple(states), True, "", rejected)
 
 
 def _blend(a: State, b: State, share: float) -> State:

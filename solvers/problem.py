@@ -29,7 +29,7 @@ from solvers.errors import SolverError
 from solvers.forms import build_forms, invariants
 from solvers.kinematics import kinematics
 from solvers.laws import Law, compile_law
-from solvers.rigid import BondedBodies, RigidBodies, moved
+from solvers.rigid import BondedBodies, RigidBodies
 
 SOFT, STIFF = 1, 2  # material numbers of cells
 
@@ -40,12 +40,24 @@ QUADRATURE_DEGREE = {2: 5, 3: 4}
 
 @dataclass(frozen=True)
 class Surfaces:
-    """Facet numbers of the surfaces with a role; None where there is none."""
+    """Facet numbers of the surfaces with a role; None where there is none.
+
+    Attributes
+    ----------
+    cavity
+        Loaded by the cavity pressure.
+    clamped
+        All displacement components are zero.
+    bond
+        Bonded to rigid bodies.
+    held
+        Pairs (facet number, component) with zero displacement: symmetry planes, the axis of a meridian, rollers.
+    """
 
     cavity: int
-    clamped: int
+    clamped: int | None = None
     bond: int | None = None
-    axis: int | None = None
+    held: tuple[tuple[int, int], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -120,9 +132,7 @@ class Problem:
         mesh = domain.mesh
         self.dimension = mesh.geometry.dim
         cell = mesh.ufl_cell()
-        element = ufl.MixedElement(
-            [ufl.VectorElement("Lagrange", cell, 2), ufl.FiniteElement("Lagrange", cell, 1)]
-        )
+        element = ufl.MixedElement([ufl.VectorElement("Lagrange", cell, 2), ufl.FiniteElement("Lagrange", cell, 1)])
         self.space = fem.FunctionSpace(mesh, element)
         self.state = fem.Function(self.space)
         self.pressure = fem.Constant(mesh, 0.0)
@@ -214,21 +224,18 @@ class Problem:
         return function
 
     def _constrain(self, surfaces: Surfaces, has_stiff: bool) -> None:
-        """Dirichlet conditions: clamped surface, u_r = 0 on the axis, no pressure unknowns in stiff cells."""
-        mesh, fdim = self.domain.mesh, self.dimension - 1
-        tags = self.domain.facet_tags
+        """Dirichlet conditions: clamped and held surfaces, no pressure unknowns in stiff cells."""
+        tags, axial = self.domain.facet_tags, self.dimension - 1
+        conditions = list(surfaces.held)
+        if surfaces.clamped is not None:
+            conditions += [(surfaces.clamped, i) for i in range(self.dimension)]
         fixed: list[tuple[Any, IntArray]] = []
-        clamped = tags.indices[tags.values == surfaces.clamped]
-        for i in range(self.dimension):
-            sub = self.space.sub(0).sub(i)
-            fixed.append((sub, fem.locate_dofs_topological(sub, fdim, clamped)))
-        if surfaces.axis is not None:
-            sub = self.space.sub(0).sub(0)
-            on_axis = tags.indices[tags.values == surfaces.axis]
-            fixed.append((sub, fem.locate_dofs_topological(sub, fdim, on_axis)))
+        for number, component in conditions:
+            sub = self.space.sub(0).sub(component)
+            facets = tags.indices[tags.values == number]
+            fixed.append((sub, fem.locate_dofs_topological(sub, self.dimension - 1, facets)))
         if has_stiff:
             cell_tags = self.domain.cell_tags
-            soft = np.zeros(self.local, dtype=bool)
             cells = compat.cell_dofs(self.space.sub(1))
             is_soft = np.zeros(len(cells), dtype=bool)
             owned_soft = cell_tags.indices[cell_tags.values == SOFT]
@@ -246,11 +253,9 @@ class Problem:
         self._is_constrained = np.zeros(self.local, dtype=bool)
         for _, dofs in fixed:
             self._is_constrained[dofs] = True
-        self._clamped_axial = fem.locate_dofs_topological(
-            self.space.sub(0).sub(self.dimension - 1), fdim, clamped
-        )
-        self._clamped_axial = self._clamped_axial[self._clamped_axial < self.owned]
-        self.mesh = mesh
+        clamped = tags.indices[tags.values == surfaces.clamped]
+        support = fem.locate_dofs_topological(self.space.sub(0).sub(axial), self.dimension - 1, clamped)
+        self._clamped_axial = support[support < self.owned]
 
     # ---- rigid bodies ----------------------------------------------------------------------------------
 
@@ -315,7 +320,11 @@ class Problem:
         rows = self.owned + (self.extra if last else 0)
         matrix = PETSc.Mat().createAIJ(
             size=((rows, size), (rows, size)),
-            csr=(pattern.indptr.astype(PETSc.IntType), pattern.indices.astype(PETSc.IntType), np.zeros(pattern.nnz)),
+            csr=(
+                pattern.indptr.astype(PETSc.IntType),
+                pattern.indices.astype(PETSc.IntType),
+                np.zeros(pattern.nnz),
+            ),
             comm=self.comm,
         )
         local_to_global = np.concatenate(
@@ -382,7 +391,7 @@ class Problem:
     def extremes(self) -> tuple[float, float, float]:
         """Smallest det F and largest isochoric I1 and I2 over all quadrature points (NaN-safe)."""
         with self.timer("checks"):
-            cells = np.arange(self.mesh.topology.index_map(self.dimension).size_local, dtype=np.int32)
+            cells = np.arange(self.domain.mesh.topology.index_map(self.dimension).size_local, dtype=np.int32)
             values = self._check.eval(cells).reshape(-1, 3)
             j, i1, i2 = np.inf, 0.0, 0.0
             if len(values):

@@ -6,7 +6,7 @@ import csv
 import json
 import math
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -33,7 +33,7 @@ class PathRow:
     reaction_n: float
     min_det_f: float
     min_gap_mm: float
-    unstable_modes: int
+    unstable_modes: float
     unstable_by_m: str
     newton_iterations: int
     wall_s: float
@@ -117,7 +117,8 @@ def write_path(folder: Path, rows: Iterable[PathRow]) -> None:
 
 def read_path(folder: Path) -> list[PathRow]:
     """Read path.csv."""
-    convert = {f.name: {"float": _number, "int": int, "str": str}[str(f.type)] for f in fields(PathRow)}
+    kinds: dict[str, Callable[[str], Any]] = {"float": _number, "int": int, "str": str}
+    convert = {f.name: kinds[str(f.type)] for f in fields(PathRow)}
     with (folder / PATH_FILE).open(newline="", encoding="utf-8") as stream:
         return [PathRow(**{k: convert[k](v) for k, v in entry.items()}) for entry in csv.DictReader(stream)]
 

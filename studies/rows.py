@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -67,9 +68,7 @@ def row(
 ) -> Row:
     """Make a row and fill in its error in percent."""
     error = 100.0 * (value - reference) / abs(reference) if reference else math.nan
-    return Row(
-        scene, quantity, unit, pressure_kpa, rung, level, value, uncertainty, reference, source, error, status
-    )
+    return Row(scene, quantity, unit, pressure_kpa, rung, level, value, uncertainty, reference, source, error, status)
 
 
 COLUMNS = tuple(f.name for f in fields(Row))
@@ -88,10 +87,13 @@ def write_rows(path: Path, rows: Iterable[Row]) -> None:
 def read_rows(path: Path) -> list[Row]:
     """Read rows written by `write_rows`."""
     with path.open(newline="", encoding="utf-8") as stream:
-        return [
-            Row(**{k: (float(v) if v else math.nan) if k in _NUMBERS else v for k, v in entry.items()})
-            for entry in csv.DictReader(stream)
-        ]
+        return [Row(*(_value(name, entry[name]) for name in COLUMNS)) for entry in csv.DictReader(stream)]
+
+
+def _value(name: str, text: str) -> Any:
+    if name not in _NUMBERS:
+        return text
+    return float(text) if text else math.nan
 
 
 def _text(value: str | float) -> str:

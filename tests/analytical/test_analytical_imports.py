@@ -19,7 +19,5 @@ def test_imports_without_dolfinx() -> None:
         "    sys.modules[blocked] = None\n"
         f"import analytical, {', '.join(modules)}\n"
     )
-    result = subprocess.run(
-        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False
-    )
+    result = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr

@@ -102,9 +102,7 @@ def test_same_as_the_equations(actuator: PaperActuator, pressure_kpa: float) -> 
 def test_first_actuator_known_numbers() -> None:
     # three digits are known of each
     assert elongation_cm(ACTUATORS[0]) == pytest.approx(11.7, abs=0.05)
-    assert elongation_by_equations_cm(ACTUATORS[0], wall_stress_on_deformed_area=True) == pytest.approx(
-        16.3, abs=0.05
-    )
+    assert elongation_by_equations_cm(ACTUATORS[0], wall_stress_on_deformed_area=True) == pytest.approx(16.3, abs=0.05)
 
 
 @pytest.mark.parametrize(("index", "known_kpa"), [(0, 18.1), (1, 8.4)])
@@ -118,20 +116,14 @@ def test_unfolding_pressures_of_the_thin_pair(index: int, known_kpa: float) -> N
 
 def test_fold_back_of_the_print() -> None:
     # 0.56 cm is known for the second actuator from eq. (14) as printed, without saturation
-    assert elongation_by_equations_cm(ACTUATORS[1], linearised=True, saturated=False) == pytest.approx(
-        0.56, abs=0.005
-    )
+    assert elongation_by_equations_cm(ACTUATORS[1], linearised=True, saturated=False) == pytest.approx(0.56, abs=0.005)
 
 
 EFFECTS: dict[str, Callable[[PaperActuator], float]] = {
-    "Ogden derivative at the root": lambda actuator: elongation_by_equations_cm(
-        actuator, ogden_derivative=True
-    ),
+    "Ogden derivative at the root": lambda actuator: elongation_by_equations_cm(actuator, ogden_derivative=True),
     "inner stretch": lambda actuator: elongation_by_equations_cm(actuator, linearised=True),
     "steps of the root stretch": lambda actuator: elongation_by_equations_cm(actuator, table=True),
-    "Ogden convention of the wall": lambda actuator: elongation_by_equations_cm(
-        actuator, ogden_wall_by_20=True
-    ),
+    "Ogden convention of the wall": lambda actuator: elongation_by_equations_cm(actuator, ogden_wall_by_20=True),
     "full unfolding": lambda actuator: elongation_by_equations_cm(actuator, saturated=False),
 }
 
@@ -238,6 +230,4 @@ def test_wall_stress_is_carried_by_the_law() -> None:
     path = closed_form(ACTUATORS[0].dimensions, law, [5.0, 10.0])
     assert path.wall_stress_mpa == pytest.approx(np.array([5e-3, 10e-3]) * 10.5**2 / 11.0, rel=1e-14)
     # the root finder's tolerance
-    assert law.mu_mpa * (path.wall_stretch**2 - path.wall_stretch**-2) == pytest.approx(
-        path.wall_stress_mpa, rel=1e-13
-    )
+    assert law.mu_mpa * (path.wall_stretch**2 - path.wall_stretch**-2) == pytest.approx(path.wall_stress_mpa, rel=1e-13)

@@ -28,9 +28,7 @@ def test_larger_root_elongates_less_in_every_column() -> None:
 def test_actuators_of_the_reference_family() -> None:
     names = [actuator.name for actuator in actuators()]
     assert names == ["heung-t1-ri5", "heung-t1-ri7", "heung-t2-ri5", "heung-t2-ri7"]
-    assert [actuator.law for actuator in actuators()] == [DRAGON_SKIN_10] * 2 + [
-        dragon_skin_30("2mu/alpha^2")
-    ] * 2
+    assert [actuator.law for actuator in actuators()] == [DRAGON_SKIN_10] * 2 + [dragon_skin_30("2mu/alpha^2")] * 2
     assert tuple(actuator.printed for actuator in actuators()) == PRINTED
 
 

@@ -75,13 +75,7 @@ def test_axial_force_by_stress_by_energy_and_by_parts(law: Law, tube: Tube, inne
 
     def axial_stress_times_2_pi_r(radius: float) -> float:
         # 2 pi r dr = 2 pi R dR / lz
-        return (
-            float(cauchy_stress_mpa(tube, law, inner_mm, radius)[2])
-            * 2.0
-            * math.pi
-            * radius
-            / tube.axial_stretch
-        )
+        return float(cauchy_stress_mpa(tube, law, inner_mm, radius)[2]) * 2.0 * math.pi * radius / tube.axial_stretch
 
     direct = quad(axial_stress_times_2_pi_r, tube.inner_radius_mm, tube.outer_radius_mm, epsrel=1e-11)[0]
     assert direct == pytest.approx(force, abs=1e-10 * size)

@@ -1,0 +1,201 @@
+"""Command line: ``python -m studies solve | plan | batch | study | report``.
+
+Exit codes: 0 all asked states reached; 2 bad input, nothing run and nothing written; 3 stopped early, partial
+results saved.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import click
+from mpi4py import MPI
+
+from analytical.bellows import BellowsError
+from meshes.errors import GeometryError, MeshError
+from solvers.errors import SolverError
+from studies import provenance, session
+from studies.plan import AROUND_LEVELS, RUNGS, Plan, Rung, describe, make_plan
+from studies.progress import Progress
+from studies.results import write_text_atomically
+from studies.scene import Scene, SceneError, load_scene
+
+BAD_INPUT, STOPPED = 2, 3
+MAIN_SCENES = ("heung-t2-ri5", "heung-t1-ri5")
+SMOKE_SCENES = ("smoke-t2-ri5",)
+TITLE = "Silicone bellows actuator: closed form beside axisymmetric beside full 3D"
+INTRODUCTION = (
+    "Tip elongation of bellows actuators after Heung et al. 2024 (Biomimetics 9, 160, doi "
+    "10.3390/biomimetics9030160) under cavity pressure, by the paper's closed-form model and by finite elements."
+)
+
+
+def _out(text: str) -> None:
+    """Print on rank 0."""
+    if MPI.COMM_WORLD.rank == 0:
+        click.echo(text)
+
+
+def _load(paths: tuple[Path, ...]) -> list[tuple[Scene, str]]:
+    """All scenes, or exit with every fault found; nothing has been written."""
+    scenes, faults = [], []
+    for path in paths:
+        try:
+            scenes.append((load_scene(path), path.read_text(encoding="utf-8")))
+        except SceneError as error:
+            faults.append(str(error))
+    names = [scene.name for scene, _ in scenes]
+    faults += [f"name = {n!r}: two scenes have it; give each its own" for n in {n for n in names if names.count(n) > 1}]
+    if faults:
+        if MPI.COMM_WORLD.rank == 0:
+            click.echo("\n".join(faults), err=True)
+        sys.exit(BAD_INPUT)
+    return scenes
+
+
+def _writable(folder: Path) -> None:
+    """Exit if the output folder cannot be made or is a file."""
+    parent = next(p for p in [folder, *folder.absolute().parents] if p.exists())
+    if not parent.is_dir() or not _can_write(parent):
+        if MPI.COMM_WORLD.rank == 0:
+            click.echo(f"--out {folder}: {parent} is not a folder that can be written to", err=True)
+        sys.exit(BAD_INPUT)
+
+
+def _can_write(folder: Path) -> bool:
+    return os.access(folder, os.W_OK | os.X_OK)
+
+
+SCENE_ARGUMENT = click.argument("scene", type=click.Path(path_type=Path))
+SCENES_ARGUMENT = click.argument("scenes", nargs=-1, required=True, type=click.Path(path_type=Path))
+OUT_OPTION = click.option(
+    "--out", required=True, type=click.Path(path_type=Path), help="Folder for the results; made if missing."
+)
+RUNG_OPTION = click.option(
+    "--rung",
+    type=click.Choice(RUNGS),
+    help="Force this model; default: the cheapest whose error can be held within the scene's tolerance.",
+)
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+def main() -> None:
+    """Bellows actuators: closed form beside finite elements, with the error of each."""
+
+
+@main.command()
+@SCENE_ARGUMENT
+@RUNG_OPTION
+def plan(scene: Path, rung: Rung | None) -> None:
+    """Print what would be solved for SCENE, what is skipped, and why."""
+    ((checked, _),) = _load((scene,))
+    _out(describe(checked, make_plan(checked, rung)))
+
+
+@main.command()
+@SCENE_ARGUMENT
+@OUT_OPTION
+@RUNG_OPTION
+def solve(scene: Path, out: Path, rung: Rung | None) -> None:
+    """Solve SCENE; writes path.csv, summary.json and rows.csv into the output folder."""
+    ((checked, text),) = _load((scene,))
+    _writable(out)
+    sys.exit(_solve(checked, text, make_plan(checked, rung), rung is not None, out, MPI.COMM_WORLD))
+
+
+def _solve(scene: Scene, text: str, plan: Plan, forced: bool, out: Path, comm: MPI.Comm) -> int:
+    """Run a plan, print its rows; returns the exit code."""
+    progress = Progress(comm)
+    try:
+        result = session.run_plan(scene, text, plan, forced, out, comm, progress)
+    except (GeometryError, MeshError, SolverError, BellowsError) as error:
+        progress.end("")
+        if comm.rank == 0:
+            click.echo(f"{scene.name}: {error}", err=True)
+        return STOPPED
+    if comm.rank == 0:
+        for entry in result.rows:
+            if entry.quantity == "tip_mm":
+                spread = f" +- {entry.uncertainty:.3f}" if entry.uncertainty == entry.uncertainty else ""
+                value = f"{entry.value:.3f}{spread} mm" if entry.value == entry.value else entry.status
+                click.echo(f"{scene.name}  {entry.pressure_kpa:g} kPa  {entry.rung} {entry.level}: {value}")
+        if not result.reached and result.answer is not None:
+            click.echo(f"{scene.name}: stopped early: {result.answer.summary.reason}", err=True)
+    return 0 if result.reached else STOPPED
+
+
+@main.command()
+@SCENES_ARGUMENT
+@OUT_OPTION
+@RUNG_OPTION
+@click.option("--ranks-per-scene", type=click.Choice(["1", "2"]), default="1", show_default=True)
+def batch(scenes: tuple[Path, ...], out: Path, rung: Rung | None, ranks_per_scene: str) -> None:
+    """Solve many SCENES, each into a folder of its name; run under mpirun to share them out.
+
+    Finished scenes are not repeated, so an interrupted batch goes on where it was. The exit code is the worst.
+    """
+    checked = _load(scenes)
+    _writable(out)
+    world, size = MPI.COMM_WORLD, int(ranks_per_scene)
+    if world.size % size:
+        _out(f"--ranks-per-scene {size}: does not divide the number of ranks, {world.size}")
+        sys.exit(BAD_INPUT)
+    groups = world.size // size
+    mine = world.rank // size
+    comm = world.Split(mine, world.rank)
+    codes = [
+        _solve(scene, text, make_plan(scene, rung), rung is not None, out / scene.name, comm)
+        for scene, text in checked[mine::groups]
+    ]
+    code = max(world.allreduce(max(codes, default=0), op=MPI.MAX), 0)
+    if world.rank == 0:
+        _out(f"{len(checked)} scenes in {out}")
+    sys.exit(code)
+
+
+@main.command()
+@OUT_OPTION
+@click.option("--smoke", is_flag=True, help="Two convolutions and few cells: shows in a minute that all works.")
+def study(out: Path, smoke: bool) -> None:
+    """Run the main study: both reference actuators, closed form, axisymmetric, full 3D; write its report."""
+    folder = provenance.ROOT / "scenes"
+    scenes = _load(tuple(folder / f"{name}.toml" for name in (SMOKE_SCENES if smoke else MAIN_SCENES)))
+    around = AROUND_LEVELS[:1] if smoke else AROUND_LEVELS
+    _writable(out)
+    code = 0
+    for scene, text in scenes:
+        plan = make_plan(scene, "full3d", around)
+        code = max(code, _solve(scene, text, plan, True, out / scene.name, MPI.COMM_WORLD))
+    if MPI.COMM_WORLD.rank == 0:
+        write_text_atomically(out / "scenes.txt", "".join(f"{scene.name}\n" for scene, _ in scenes))
+        _report(out)
+    MPI.COMM_WORLD.barrier()
+    sys.exit(code)
+
+
+@main.command()
+@click.argument("folder", type=click.Path(path_type=Path, exists=True, file_okay=False))
+def report(folder: Path) -> None:
+    """Write the report of a study's or batch's FOLDER anew from the results in it."""
+    if MPI.COMM_WORLD.rank == 0:
+        _report(folder)
+
+
+def _report(folder: Path) -> None:
+    listed = folder / "scenes.txt"
+    if listed.exists():
+        folders = [folder / name for name in listed.read_text(encoding="utf-8").split()]
+    else:
+        folders = sorted(p.parent for p in folder.glob(f"*/{session.SCENE_FILE}"))
+        folders = folders or ([folder] if (folder / session.SCENE_FILE).exists() else [])
+    if not folders:
+        click.echo(f"{folder}: holds no scene results; run solve, batch or study first", err=True)
+        sys.exit(BAD_INPUT)
+    page = session.render(folder, TITLE, INTRODUCTION, folders)
+    click.echo(f"report: {page}")
+
+
+if __name__ == "__main__":
+    main()

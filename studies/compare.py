@@ -1,0 +1,188 @@
+"""Comparison rows of a scene: closed form, axisymmetric and full 3D results, the paper's printed values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from analytical import paper
+from analytical.bellows import BellowsError, closed_form, with_seat
+from studies.rows import Row, row
+from studies.runs import Run
+from studies.scene import Scene, dimensions_of, law_of
+from studies.uncertainty import UNKNOWN, Convergence, convergence, from_two
+
+# Order to expect of the tip displacement. In the meridian, quadratic elements would give more than 2 for a smooth
+# solution, but the clamped edge and the ends of the bond are corners. Round the circumference all is smooth.
+MERIDIAN_ORDER, AROUND_ORDER = 2.0, 4.0
+
+
+def level_number(level: str) -> int:
+    """4 for ``r4``, 16 for ``n16``."""
+    return int(level[1:])
+
+
+def tip_at(run: Run, pressure_kpa: float) -> float:
+    """Tip elongation of a run at an asked pressure, mm; NaN if it was not reached."""
+    for entry in run.path:
+        if entry.status == "asked" and math.isclose(entry.pressure_kpa, pressure_kpa, rel_tol=1e-9):
+            return entry.tip_mm
+    return math.nan
+
+
+def meridian_convergence(runs: Sequence[Run], pressure_kpa: float) -> Convergence:
+    """Convergence of the tip over the meridian levels that reached a pressure."""
+    found = [(1.0 / level_number(r.summary.level), tip_at(r, pressure_kpa)) for r in runs]
+    return _convergence([f for f in found if not math.isnan(f[1])], MERIDIAN_ORDER)
+
+
+def around_convergence(runs: Sequence[Run], pressure_kpa: float) -> Convergence:
+    """Convergence of the tip over the numbers of cells round that reached a pressure."""
+    found = [(1.0 / level_number(r.summary.level), tip_at(r, pressure_kpa)) for r in runs]
+    return _convergence([f for f in found if not math.isnan(f[1])], AROUND_ORDER)
+
+
+def _convergence(found: list[tuple[float, float]], order: float) -> Convergence:
+    found = sorted(found, reverse=True)[-3:]
+    sizes, values = [h for h, _ in found], [v for _, v in found]
+    if len(found) == 3:
+        return convergence(sizes, values, order)
+    return from_two(sizes, values, order) if len(found) == 2 else UNKNOWN
+
+
+def scene_rows(scene: Scene, axisymmetric: Sequence[Run], full3d: Sequence[Run]) -> list[Row]:
+    """All rows of a scene.
+
+    Parameters
+    ----------
+    axisymmetric, full3d
+        Its runs, coarsest first.
+
+    Returns
+    -------
+    list of Row
+        Errors are against the finest full 3D run where it reached the pressure, else against the finest
+        axisymmetric one.
+    """
+    return [r for pressure in scene.load.pressure_kpa for r in _rows_at(scene, pressure, axisymmetric, full3d)]
+
+
+def _rows_at(scene: Scene, pressure: float, axisymmetric: Sequence[Run], full3d: Sequence[Run]) -> list[Row]:
+    """All rows of a scene at one pressure, kPa."""
+    rows: list[Row] = []
+    printed = _printed(scene)
+    meridian = meridian_convergence(axisymmetric, pressure)
+    around = around_convergence(full3d, pressure)
+    finest_axi = tip_at(axisymmetric[-1], pressure) if axisymmetric else math.nan
+    finest_3d = tip_at(full3d[-1], pressure) if full3d else math.nan
+    reference, source = math.nan, ""
+    if not math.isnan(finest_3d):
+        reference, source = finest_3d, f"full3d {full3d[-1].summary.level}"
+    elif not math.isnan(finest_axi):
+        reference, source = finest_axi, f"axisymmetric {axisymmetric[-1].summary.level}"
+
+    def add(
+        rung: str,
+        value: float,
+        level: str = "",
+        uncertainty: float = math.nan,
+        status: str = "reached",
+    ) -> None:
+        of, by = (math.nan, "") if f"{rung} {level}" == source else (reference, source)
+        rows.append(row(scene.name, "tip_mm", "mm", pressure, rung, value, level, uncertainty, of, by, status))
+
+    for rung, value, status in _closed_forms(scene, pressure):
+        add(rung, value, status=status)
+    for run in axisymmetric:
+        value = tip_at(run, pressure)
+        add("axisymmetric", value, run.summary.level, meridian.uncertainty(value), _status(run, value))
+    base = tip_at(axisymmetric[0], pressure) if axisymmetric else math.nan
+    for run in full3d:
+        value = tip_at(run, pressure)
+        if len(full3d) == 1:
+            # one number round: its difference to the same meridian's axisymmetric value bounds its error
+            error_around = 3.0 * abs(value - base)
+        else:
+            error_around = around.uncertainty(value)
+        total = meridian.uncertainty(base) + error_around
+        add("full3d", value, run.summary.level, total, _status(run, value))
+    if printed is not None and math.isclose(pressure, paper.PRINTED_PRESSURE_KPA):
+        add("paper_closed_form", 10.0 * printed.closed_form_cm)
+        add("paper_ansys", 10.0 * printed.ansys_cm)
+        add("paper_experiment", 10.0 * printed.experiment_cm)
+    if not math.isnan(finest_3d) and not math.isnan(finest_axi):
+        gap = 100.0 * abs(finest_axi - finest_3d) / abs(finest_3d)
+        rows.append(
+            row(scene.name, "axisymmetric_full3d_gap_percent", "%", pressure, "axisymmetric", gap,
+                axisymmetric[-1].summary.level)
+        )  # fmt: skip
+    for run in [*axisymmetric[-1:], *full3d[-1:]]:
+        rows += _checks(scene, run, pressure)
+    return rows
+
+
+def _checks(scene: Scene, run: Run, pressure: float) -> list[Row]:
+    """Stability count and least det F of a run at a pressure."""
+    for entry in run.path:
+        if entry.status == "asked" and math.isclose(entry.pressure_kpa, pressure, rel_tol=1e-9):
+            name, level = run.summary.rung, run.summary.level
+            return [
+                row(scene.name, "unstable_modes", "1", pressure, name, float(entry.unstable_modes), level),
+                row(scene.name, "min_det_f", "1", pressure, name, entry.min_det_f, level),
+                row(scene.name, "tip_centre_mm", "mm", pressure, name, entry.tip_centre_mm, level),
+            ]
+    return []
+
+
+def _status(run: Run, value: float) -> str:
+    if not math.isnan(value):
+        return "reached"
+    last = run.path[-1].pressure_kpa if run.path else 0.0
+    return f"stopped at {last:.2f} kPa: {run.summary.reason}"
+
+
+def _closed_forms(scene: Scene, pressure_kpa: float) -> list[tuple[str, float, str]]:
+    """(rung, tip in mm, status) of the closed form with the nominal and with the free half pitch."""
+    nominal = dimensions_of(scene)
+    variants = [("closed_form", nominal)]
+    if scene.rings.model != "none":
+        variants.append(("closed_form_seat", with_seat(nominal, scene.rings.seat_mm)))
+    out = []
+    for rung, dimensions in variants:
+        try:
+            answer = closed_form(dimensions, law_of(scene.material), np.array([pressure_kpa]))
+            out.append((rung, float(answer.elongation_mm[0]), "reached"))
+        except BellowsError as error:
+            out.append((rung, math.nan, f"not available: {error}"))
+    return out
+
+
+def _printed(scene: Scene) -> paper.PrintedElongation | None:
+    g = scene.geometry
+    return paper.printed(g.wall_mm, g.root_radius_mm, g.crest_radius_mm, g.half_pitch_mm, g.convolutions)
+
+
+def validity_notes(scene: Scene) -> list[str]:
+    """What a reader must know of the closed form's and the paper's numbers for a scene."""
+    dimensions, law = dimensions_of(scene), law_of(scene.material)
+    notes = []
+    answer = closed_form(dimensions, law, np.array(scene.load.pressure_kpa))
+    if answer.unfolding_pressure_kpa <= scene.load.pressure_kpa[-1]:
+        notes.append(
+            f"The closed form is fully unfolded from {answer.unfolding_pressure_kpa:.1f} kPa; beyond, its root "
+            "stretch is held there (the paper stops at full expansion)."
+        )
+    else:
+        notes.append(
+            f"The closed form unfolds fully only at {answer.unfolding_pressure_kpa:.1f} kPa, above the asked range."
+        )
+    printed = _printed(scene)
+    if printed is not None:
+        notes.append(f"Printed values ({printed.source}): {printed.reading}.")
+        notes.append(
+            "The paper prints neither R_p, e and n nor which silicone each actuator has: these are inferred from "
+            "its closed-form column alone, so agreement of the closed form with that column is no validation."
+        )
+    return notes

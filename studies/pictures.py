@@ -1,0 +1,227 @@
+"""Pictures of the body, undeformed and deformed, from its VTU files.
+
+Drawn in a child process: a graphics driver that is missing or ends the process must not take the report
+with it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import pyvista
+
+_SECONDS = 300.0
+_PIXELS_PER_MM = 11.0
+_LARGEST_WIDTH_PX = 3000
+_MARGIN_MM = 1.0
+_COLOURS = "YlGnBu"
+_RING_REGION = 3
+_RING_COLOUR = "#b8b8b8"
+_SECTION_OFFSET = 1e-6  # of the body's size: beside the mesh's own faces, where a slice is well defined
+
+# Faces of a tetrahedron with ten nodes in VTK's order: three corners, then the three middles between them.
+_FACES = np.array([[0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [2, 0, 3, 6, 7, 9], [0, 2, 1, 6, 5, 4]])
+# Such a face as four flat triangles.
+_QUARTERS = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
+
+
+@dataclass(frozen=True)
+class Still:
+    """One state to draw.
+
+    Attributes
+    ----------
+    label
+        Text beside it.
+    vtu
+        The body: point fields ``displacement_mm`` and ``stretch_max``, cell field ``region``.
+    deformed
+        False: in its reference position, where every stretch is 1.
+    """
+
+    label: str
+    vtu: Path
+    deformed: bool = True
+
+
+def draw_states(path: Path, stills: Sequence[Still]) -> str:
+    """Draw the states below each other to one scale in mm, coloured by the largest principal stretch.
+
+    Each is a half section: outside above the axis, the front lower quarter taken away below it.
+
+    Parameters
+    ----------
+    path
+        The PNG to write.
+    stills
+        The states, from top to bottom.
+
+    Returns
+    -------
+    str
+        Empty, or why there is no picture.
+    """
+    missing = [str(still.vtu) for still in stills if not still.vtu.is_file()]
+    if missing:
+        return f"no such file: {', '.join(missing)}"
+    jobs = [[still.label, str(still.vtu.resolve()), still.deformed] for still in stills]
+    # -c, not -m: finds the package also where the parent found it through sys.path alone.
+    code = f"import sys; sys.path[:] = {sys.path!r}; from studies.pictures import _draw_here; _draw_here()"
+    try:
+        child = subprocess.run(
+            [sys.executable, "-c", code],
+            input=json.dumps({"path": str(path.resolve()), "stills": jobs}),
+            capture_output=True,
+            text=True,
+            timeout=_SECONDS,
+            check=False,
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return f"drawing failed: {error}"
+    if child.returncode == 0:
+        return ""
+    said = child.stderr.strip().splitlines()
+    return f"drawing failed (exit code {child.returncode}): {said[-1] if said else 'no message'}"
+
+
+def _draw_here() -> None:
+    """Draw what standard input asks for; the child's side of `draw_states`."""
+    job = json.load(sys.stdin)
+    _draw(Path(job["path"]), [Still(label, Path(vtu), deformed) for label, vtu, deformed in job["stills"]])
+
+
+def _draw(path: Path, stills: Sequence[Still]) -> None:
+    os.environ.setdefault("PYVISTA_OFF_SCREEN", "true")
+    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    bodies = [_body(still) for still in stills]
+    bounds = np.array([body.bounds for body in bodies]).reshape(-1, 3, 2)
+    lowest, highest = bounds[:, :, 0].min(axis=0) - _MARGIN_MM, bounds[:, :, 1].max(axis=0) + _MARGIN_MM
+    largest = max(float(body["stretch_max"].max()) for body in bodies)
+    images = [_image(body, lowest, highest, largest) for body in bodies]
+    _compose(path, [still.label for still in stills], images, lowest, highest, largest)
+
+
+def _body(still: Still) -> pyvista.UnstructuredGrid:
+    """The body as it stands in a state."""
+    import pyvista
+
+    body = pyvista.read(still.vtu)
+    if still.deformed:
+        body.points = body.points + body["displacement_mm"]
+    else:
+        body["stretch_max"] = np.ones(body.n_points)
+    return body
+
+
+def _surface(body: pyvista.UnstructuredGrid, cells: NDArray[np.bool_]) -> pyvista.PolyData:
+    """Outer faces of some of the cells as flat triangles, four to a curved face.
+
+    VTK's own surface filter keeps most inner faces of ten-node tetrahedra, fifty times too many.
+    """
+    import pyvista
+
+    faces = body.cells_dict[pyvista.CellType.QUADRATIC_TETRA][cells][:, _FACES].reshape(-1, 6)
+    _, first, count = np.unique(np.sort(faces[:, :3], axis=1), axis=0, return_index=True, return_counts=True)
+    outer = faces[first[count == 1]]
+    used, triangles = np.unique(outer[:, _QUARTERS].reshape(-1, 3), return_inverse=True)
+    surface = pyvista.PolyData.from_regular_faces(body.points[used], triangles.reshape(-1, 3))
+    surface["stretch_max"] = body["stretch_max"][used]
+    return surface
+
+
+def _image(
+    body: pyvista.UnstructuredGrid, lowest: NDArray[Any], highest: NDArray[Any], largest: float
+) -> NDArray[np.uint8]:
+    """Half section of a body seen along -y, z to the right and x upwards, its box filling the image."""
+    import pyvista
+
+    size = highest - lowest
+    pixels = min(_PIXELS_PER_MM, _LARGEST_WIDTH_PX / size[2])
+    plotter = pyvista.Plotter(
+        off_screen=True, window_size=[round(pixels * size[2]), round(pixels * size[0])], lighting="none"
+    )
+    plotter.set_background("white")
+    for position, intensity in (((2.0, 3.0, -1.5), 0.55), ((-1.0, 3.0, 2.0), 0.3)):
+        plotter.add_light(pyvista.Light(position=position, light_type="scene light", intensity=intensity))
+    look = {"scalars": "stretch_max", "clim": (1.0, largest), "cmap": _COLOURS, "show_scalar_bar": False}
+    cut = _SECTION_OFFSET * float(size.max())
+    is_ring = body["region"] == _RING_REGION
+    section = body.slice("y", origin=(0.0, cut, 0.0)).clip("x", origin=(0.0, 0.0, 0.0))
+    for cells, colour in ((~is_ring, look), (is_ring, {"color": _RING_COLOUR})):
+        if not cells.any():
+            continue
+        surface = _surface(body, cells)
+        above = surface.clip("x", invert=False, origin=(0.0, 0.0, 0.0))
+        behind = surface.clip("x", origin=(0.0, 0.0, 0.0)).clip("y", origin=(0.0, cut, 0.0))
+        for part, brightness in ((above, 1.0), (behind, 0.85)):
+            if part.n_cells:
+                part = part.compute_normals(split_vertices=True, feature_angle=40.0)
+                plotter.add_mesh(
+                    part, smooth_shading=True, ambient=0.25 * brightness, diffuse=brightness, **colour
+                )
+        of_section = np.isin(section["region"] == _RING_REGION, cells[is_ring].any())
+        if of_section.any():
+            face = section.extract_cells(of_section).extract_surface(algorithm="dataset_surface").clean()
+            plotter.add_mesh(face, lighting=False, **colour)
+            outline = face.extract_feature_edges(
+                boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False
+            )
+            plotter.add_mesh(outline, color="black", line_width=2.0, lighting=False)
+    middle = 0.5 * (lowest + highest)
+    plotter.camera.focal_point = middle
+    plotter.camera.position = middle + np.array([0.0, 10.0 * size.max(), 0.0])
+    plotter.camera.up = (1.0, 0.0, 0.0)
+    plotter.enable_parallel_projection()
+    plotter.camera.parallel_scale = 0.5 * size[0]
+    plotter.reset_camera_clipping_range()
+    plotter.enable_anti_aliasing("ssaa")
+    image = plotter.screenshot(return_img=True)
+    plotter.close()
+    return np.asarray(image)
+
+
+def _compose(
+    path: Path,
+    labels: Sequence[str],
+    images: Sequence[NDArray[np.uint8]],
+    lowest: NDArray[Any],
+    highest: NDArray[Any],
+    largest: float,
+) -> None:
+    """Put the images below each other on axes in mm, with one colour bar."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+    from matplotlib.figure import Figure
+
+    width_in = 9.6
+    row_in = 0.82 * width_in * (highest[0] - lowest[0]) / (highest[2] - lowest[2]) + 0.12
+    figure = Figure(figsize=(width_in, 1.1 + row_in * len(images)), layout="constrained")
+    FigureCanvasAgg(figure)
+    rows = figure.subplots(len(images), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, image, label in zip(rows, images, labels, strict=True):
+        axes.imshow(image, extent=(lowest[2], highest[2], lowest[0], highest[0]), interpolation="antialiased")
+        axes.axhline(0.0, color="black", linewidth=0.6, dashes=(14, 3, 3, 3))
+        axes.set_ylabel(label, rotation=0, ha="right", va="center", fontsize=10)
+        axes.set_yticks([])
+        axes.spines[:].set_visible(False)
+        axes.tick_params(axis="x", length=3 if axes is rows[-1] else 0)
+    rows[-1].spines["bottom"].set_visible(True)
+    rows[-1].set_xlabel("position along the axis, mm")
+    scale = ScalarMappable(Normalize(1.0, largest), _COLOURS)
+    figure.colorbar(scale, ax=rows, location="top", aspect=60, fraction=0.03, pad=0.02).set_label(
+        "largest principal stretch"
+    )
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=160)

@@ -1,0 +1,96 @@
+"""What will be solved for a scene, what is skipped, and why."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from studies.scene import Scene
+
+Rung = Literal["closed_form", "axisymmetric", "full3d"]
+RUNGS: tuple[Rung, ...] = ("closed_form", "axisymmetric", "full3d")
+
+# Meridian refinements for the error estimate; the body of revolution is made from the first.
+MERIDIAN_LEVELS = (1, 2, 4)
+AROUND_LEVELS = (8, 16, 24)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The runs of a scene.
+
+    Attributes
+    ----------
+    rung
+        The model whose result is the answer.
+    meridian_levels
+        Refinements of the axisymmetric runs, coarsest first.
+    around_levels
+        Numbers of cells round the circumference of the full 3D runs; empty for none.
+    skipped
+        What is not computed and why, a sentence each.
+    """
+
+    rung: Rung
+    meridian_levels: tuple[int, ...]
+    around_levels: tuple[int, ...]
+    skipped: tuple[str, ...]
+
+
+def make_plan(scene: Scene, rung: Rung | None = None, around: tuple[int, ...] = ()) -> Plan:
+    """Choose the runs of a scene.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    rung
+        Force this model; None takes the cheapest whose error can be held within the scene's tolerance.
+    around
+        Numbers of cells round the circumference for full 3D; default the middle of AROUND_LEVELS.
+
+    Returns
+    -------
+    Plan
+    """
+    skipped = []
+    chosen: Rung = rung or "axisymmetric"
+    if rung is None:
+        skipped.append(
+            "closed form as the answer: its error is not bounded, so it cannot promise "
+            f"{scene.ask.tolerance_percent:g} %; it is computed beside the finite elements"
+        )
+        skipped.append(
+            "full 3D: geometry, material and load are rotationally symmetric, so the axisymmetric model "
+            "is exact for them (force it with --rung full3d)"
+        )
+    if chosen == "closed_form":
+        return Plan(chosen, (), (), ("finite elements: the closed form was forced",))
+    if scene.rings.model == "rigid":
+        skipped.append(
+            "interior of the rings: taken as rigid bodies, 3.5 GPa against 0.1 MPa in the wall "
+            '(rings.model = "meshed" solves them)'
+        )
+    if chosen == "axisymmetric":
+        if rung is None:
+            skipped.append(
+                f"meridian level r{MERIDIAN_LEVELS[-1]}: solved only if r{MERIDIAN_LEVELS[0]} and "
+                f"r{MERIDIAN_LEVELS[1]} differ by more than the tolerance, {scene.ask.tolerance_percent:g} %"
+            )
+            return Plan(chosen, MERIDIAN_LEVELS, (), tuple(skipped))
+        return Plan(chosen, MERIDIAN_LEVELS, (), tuple(skipped))
+    skipped.append("load steps of the full 3D run: each asked pressure starts from the axisymmetric state, revolved")
+    return Plan(chosen, MERIDIAN_LEVELS, around or (AROUND_LEVELS[1],), tuple(skipped))
+
+
+def describe(scene: Scene, plan: Plan) -> str:
+    """The plan as text for a terminal."""
+    lines = [f"{scene.name}: {scene.title}", f"answer: {plan.rung}"]
+    pressures = ", ".join(f"{p:g}" for p in scene.load.pressure_kpa)
+    lines.append(f"  closed form at {pressures} kPa")
+    for level in plan.meridian_levels:
+        lines.append(f"  axisymmetric, meridian level r{level}: path from 0 through {pressures} kPa")
+    for around in plan.around_levels:
+        lines.append(f"  full 3D, meridian level r{plan.meridian_levels[0]}, {around} cells round: {pressures} kPa")
+    lines += [f"skipped: {reason}" for reason in plan.skipped]
+    return "\n".join(lines)

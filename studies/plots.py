@@ -1,0 +1,231 @@
+"""Plots of a report, drawn from plain numbers and written as PNG."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import cycle
+from pathlib import Path
+from typing import Any
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+DPI = 150
+
+# Okabe and Ito: told apart by colour-blind readers; shape and dash say the same once more.
+_BLACK, _ORANGE, _SKY, _GREEN, _BLUE, _VERMILION, _PURPLE = (
+    "#000000",
+    "#E69F00",
+    "#56B4E9",
+    "#009E73",
+    "#0072B2",
+    "#D55E00",
+    "#CC79A7",
+)
+_STYLES: dict[str, dict[str, Any]] = {
+    "closed_form": {"color": _ORANGE, "linestyle": "--", "marker": "^"},
+    "closed_form_seat": {"color": _GREEN, "linestyle": ":", "marker": "v"},
+    "axisymmetric": {"color": _BLUE, "linestyle": "-", "marker": "o"},
+    "sector": {"color": _SKY, "linestyle": "-.", "marker": "h"},
+    "full3d": {"color": _VERMILION, "linestyle": "none", "marker": "s"},
+    "paper_closed_form": {"color": _ORANGE, "linestyle": "none", "marker": "P"},
+    "paper_ansys": {"color": _PURPLE, "linestyle": "none", "marker": "D"},
+    "paper_experiment": {"color": _BLACK, "linestyle": "none", "marker": "*"},
+}
+_OTHERS = (
+    {"color": "#777777", "linestyle": "--", "marker": "<"},
+    {"color": "#777777", "linestyle": ":", "marker": ">"},
+    {"color": "#777777", "linestyle": "-.", "marker": "d"},
+)
+# Paul Tol's muted scheme, also safe; pale grey for what no clock was put on.
+_ACTIVITIES = (
+    "#332288",
+    "#88CCEE",
+    "#44AA99",
+    "#117733",
+    "#999933",
+    "#DDCC77",
+    "#CC6677",
+    "#882255",
+    "#AA4499",
+)
+_OTHER_COLOUR = "#D0D0D0"
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Elongation of one model over the pressure.
+
+    Attributes
+    ----------
+    rung, label
+        Decides the style; what the legend says.
+    pressure_kpa, tip_mm
+        Points in the order they are joined.
+    uncertainty_mm
+        Half height of the error bars, mm; NaN draws none, empty means there are none.
+    markers
+        False: a line only, for paths of many states.
+    stopped
+        Empty, or what the legend says of the cross drawn at the last point.
+    """
+
+    rung: str
+    label: str
+    pressure_kpa: tuple[float, ...]
+    tip_mm: tuple[float, ...]
+    uncertainty_mm: tuple[float, ...] = ()
+    markers: bool = True
+    stopped: str = ""
+
+
+def draw_elongation(path: Path, curves: Sequence[Curve], asked_kpa: Sequence[float]) -> None:
+    """Draw tip displacement (mm) over cavity pressure (kPa).
+
+    Parameters
+    ----------
+    path
+        The PNG to write.
+    curves
+        What to draw, in the order of the legend.
+    asked_kpa
+        Asked pressures, kPa; the axis reaches the highest also if no curve does.
+    """
+    with _figure(path, 8.2, 4.9) as figure:
+        axes = figure.add_subplot()
+        others = cycle(_OTHERS)
+        for place, curve in enumerate(curves):
+            style = dict(_STYLES.get(curve.rung) or next(others))
+            size = {"*": 13.0, "P": 9.0}.get(style["marker"], 6.5)
+            if not curve.markers:
+                style["marker"] = "none"
+            if style["linestyle"] == "none":
+                style |= {"markeredgecolor": "white", "markeredgewidth": 0.7}
+            axes.errorbar(
+                curve.pressure_kpa,
+                curve.tip_mm,
+                yerr=curve.uncertainty_mm or None,
+                label=curve.label,
+                markersize=size,
+                linewidth=1.8,
+                elinewidth=1.2,
+                capsize=3.5,
+                zorder=3.0 + 0.01 * place,
+                **style,
+            )
+            if curve.stopped and curve.pressure_kpa:
+                axes.plot(
+                    curve.pressure_kpa[-1],
+                    curve.tip_mm[-1],
+                    color=style["color"],
+                    linestyle="none",
+                    marker="x",
+                    markersize=12,
+                    markeredgewidth=2.6,
+                    label=curve.stopped,
+                    zorder=5.0,
+                )
+        axes.set_xlabel("cavity pressure, kPa")
+        axes.set_ylabel("elongation at the tip, mm")
+        highest = max(asked_kpa, default=1.0)
+        axes.set_xlim(0.0, 1.04 * highest)
+        axes.set_ylim(bottom=0.0)
+        if asked_kpa and len(asked_kpa) <= 8:
+            axes.set_xticks([0.0, *asked_kpa])
+        axes.grid(color="#e4e4e4", zorder=0)
+        axes.set_axisbelow(True)
+        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False)
+
+
+def draw_overview(path: Path, scenes: Sequence[str], values_mm: Mapping[str, Sequence[float]]) -> None:
+    """Draw the tip displacement of several scenes, one line of dots each.
+
+    Parameters
+    ----------
+    path
+        The PNG to write.
+    scenes
+        A label per scene.
+    values_mm
+        By ``rung: label`` pairs joined by a tab, one value per scene, mm; NaN is not drawn.
+    """
+    with _figure(path, 8.2, 1.2 + 0.55 * len(scenes)) as figure:
+        axes = figure.add_subplot()
+        others = cycle(_OTHERS)
+        for place, (key, values) in enumerate(values_mm.items()):
+            rung, label = key.split("\t")
+            style = dict(_STYLES.get(rung) or next(others)) | {"linestyle": "none"}
+            offset = 0.09 * (place - 0.5 * (len(values_mm) - 1))
+            axes.plot(
+                values,
+                [row + offset for row in range(len(scenes))],
+                label=label,
+                markersize=11.0 if style["marker"] == "*" else 7.0,
+                **style,
+            )
+        axes.set_yticks(range(len(scenes)), scenes)
+        axes.set_ylim(len(scenes) - 0.45, -0.55)
+        for row in range(1, len(scenes)):
+            axes.axhline(row - 0.5, color="#d0d0d0", linewidth=0.8)
+        axes.set_xlim(left=0.0)
+        axes.set_xlabel("elongation at the tip, mm")
+        axes.tick_params(axis="y", length=0)
+        axes.grid(axis="x", color="#e4e4e4")
+        axes.set_axisbelow(True)
+        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False)
+
+
+def draw_times(path: Path, runs: Sequence[str], seconds: Mapping[str, Sequence[float]]) -> None:
+    """Draw where the wall time of each run went: in seconds, and in percent of the run.
+
+    Parameters
+    ----------
+    path
+        The PNG to write.
+    runs
+        A label per run.
+    seconds
+        By activity, one number per run, s; the last activity is drawn in grey if it is called ``other``.
+    """
+    totals = [sum(column) for column in zip(*seconds.values(), strict=True)]
+    colours = cycle(_ACTIVITIES)
+    with _figure(path, 8.2, 1.75 + 0.33 * len(runs)) as figure:
+        left, right = figure.subplots(1, 2, sharey=True)
+        starts = [0.0] * len(runs)
+        for activity, values in seconds.items():
+            colour = _OTHER_COLOUR if activity == "other" else next(colours)
+            bar = {"height": 0.68, "color": colour, "edgecolor": "white", "linewidth": 0.4}
+            left.barh(range(len(runs)), values, left=starts, label=activity, **bar)
+            shares, begins = (
+                [100.0 * part / total if total else 0.0 for part, total in zip(parts, totals, strict=True)]
+                for parts in (values, starts)
+            )
+            right.barh(range(len(runs)), shares, left=begins, **bar)
+            starts = [start + value for start, value in zip(starts, values, strict=True)]
+        left.set_yticks(range(len(runs)), runs)
+        left.set_ylim(len(runs) - 0.4, -0.6)
+        left.set_xlabel("wall time, s")
+        left.xaxis.set_major_locator(MaxNLocator(5))
+        left.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        right.set_xlabel("share of the run, %")
+        right.set_xlim(0.0, 100.0)
+        for axes in (left, right):
+            axes.tick_params(axis="y", length=0)
+            axes.grid(axis="x", color="#e4e4e4")
+            axes.set_axisbelow(True)
+        figure.legend(loc="outside upper center", ncols=5, frameon=False, columnspacing=1.4)
+
+
+@contextmanager
+def _figure(path: Path, width_in: float, height_in: float) -> Iterator[Figure]:
+    """A figure that is written to ``path`` on leaving; no state shared with the caller's matplotlib."""
+    figure = Figure(figsize=(width_in, height_in), dpi=DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    yield figure
+    for axes in figure.axes:
+        axes.spines[["top", "right"]].set_visible(False)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=DPI)

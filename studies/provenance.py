@@ -1,0 +1,109 @@
+"""Where a number came from: versions, BLAS, machine, commit, memory."""
+
+from __future__ import annotations
+
+import datetime
+import functools
+import hashlib
+import os
+import platform
+import subprocess
+from importlib import metadata
+from pathlib import Path
+
+import numpy as np
+import threadpoolctl
+from mpi4py import MPI
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+@functools.cache
+def commit() -> str:
+    """Short hash of the checked-out commit, with ``+changes`` if the tree differs from it."""
+    try:
+        run = functools.partial(subprocess.run, cwd=ROOT, capture_output=True, text=True, check=True, timeout=20)
+        name = run(["git", "rev-parse", "--short=12", "HEAD"]).stdout.strip()
+        changed = run(["git", "status", "--porcelain", "--untracked-files=no"]).stdout.strip()
+    except (OSError, subprocess.SubprocessError):
+        return "unknown"
+    return name + ("+changes" if changed else "")
+
+
+@functools.cache
+def versions() -> dict[str, str]:
+    """Versions of what computes and draws."""
+    from petsc4py import PETSc
+
+    from solvers.compat import dolfinx_version
+
+    found = {
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "dolfinx": dolfinx_version(),
+        "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
+    }
+    for name in ("fenics-ufl", "scipy", "mpi4py", "pyvista", "matplotlib", "pydantic"):
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            continue
+    return found
+
+
+@functools.cache
+def blas() -> str:
+    """The BLAS that is loaded, its version and threads; it decides the factorisation's speed."""
+    for library in threadpoolctl.threadpool_info():
+        if library.get("user_api") == "blas":
+            return (
+                f"{library['internal_api']} {library.get('version')} ({library.get('architecture')}), "
+                f"{library['num_threads']} threads"
+            )
+    return "reference BLAS (slow: install libopenblas0-pthread)"
+
+
+def blas_threads() -> int:
+    """Threads of the loaded BLAS."""
+    return max(
+        (lib["num_threads"] for lib in threadpoolctl.threadpool_info() if lib["user_api"] == "blas"),
+        default=1,
+    )
+
+
+def machine() -> str:
+    """Cores and memory."""
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
+    return f"{platform.machine()}, {os.cpu_count()} cores, {memory:.0f} GiB"
+
+
+def now() -> str:
+    """Date and time, UTC."""
+    return datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC")
+
+
+@functools.cache
+def code_hash() -> str:
+    """Hash of the sources that decide a run's numbers, so that results of other code are not reused."""
+    digest = hashlib.sha256()
+    files = sorted(p for folder in ("analytical", "meshes", "solvers") for p in (ROOT / folder).glob("*.py"))
+    for path in [*files, ROOT / "studies" / "runs.py", ROOT / "studies" / "scene.py"]:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def reset_peak_memory() -> None:
+    """Start the process's peak resident memory anew (Linux; elsewhere the peak is that of the process)."""
+    try:
+        Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
+    except OSError:
+        return
+
+
+def peak_memory_mb(comm: MPI.Comm) -> float:
+    """Peak resident memory of all ranks together since the last reset, MB."""
+    peak = 0.0
+    for line in Path("/proc/self/status").read_text(encoding="ascii").splitlines():
+        if line.startswith("VmHWM"):
+            peak = float(line.split()[1]) / 1024.0
+    return float(comm.allreduce(peak, op=MPI.SUM))

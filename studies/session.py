@@ -1,0 +1,158 @@
+"""Doing a plan: all runs of a scene into a folder, and reading a folder back into a report."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from mpi4py import MPI
+
+from studies import provenance
+from studies.compare import level_number, scene_rows, validity_notes
+from studies.plan import MERIDIAN_LEVELS, Plan
+from studies.progress import Progress
+from studies.report import SceneReport, write_report
+from studies.results import PATH_FILE, SUMMARY_FILE, PathRow, read_path, read_summary
+from studies.rows import Row, write_rows
+from studies.runs import Run, field_files, run_axisymmetric, run_full3d
+from studies.scene import Scene, load_scene
+
+SCENE_FILE, ROWS_FILE = "scene.toml", "rows.csv"
+
+
+@dataclass(frozen=True)
+class SceneResult:
+    """All runs of a scene, coarsest first, and the comparison rows."""
+
+    scene: Scene
+    axisymmetric: tuple[Run, ...]
+    full3d: tuple[Run, ...]
+    rows: tuple[Row, ...]
+
+    @property
+    def answer(self) -> Run | None:
+        """The run whose result is the answer: the finest of the highest rung."""
+        runs = self.full3d or self.axisymmetric
+        return runs[-1] if runs else None
+
+    @property
+    def reached(self) -> bool:
+        """True if the answer reached every asked pressure."""
+        return self.answer is None or self.answer.summary.status == "reached"
+
+
+def run_plan(
+    scene: Scene, scene_text: str, plan: Plan, forced: bool, folder: Path, comm: MPI.Comm, progress: Progress
+) -> SceneResult:
+    """Run what a plan says; results of the same content that are already there are used.
+
+    Parameters
+    ----------
+    scene, scene_text
+        The scene, and its file's text, which is kept beside the results.
+    forced
+        True if all levels are to be run; False stops refining the meridian once the tolerance is met.
+    folder
+        Where the results go, a folder per run.
+
+    Returns
+    -------
+    SceneResult
+        The same on every rank.
+    """
+    if comm.rank == 0:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / SCENE_FILE).write_text(scene_text, encoding="utf-8")
+    axisymmetric: list[Run] = []
+    for level in plan.meridian_levels:
+        if not forced and len(axisymmetric) == 2 and _within_tolerance(scene, axisymmetric):
+            break
+        axisymmetric.append(run_axisymmetric(scene, level, folder / f"axisymmetric-r{level}", comm, progress))
+    full3d = [
+        run_full3d(
+            scene,
+            around,
+            folder / f"axisymmetric-r{MERIDIAN_LEVELS[0]}",
+            folder / f"full3d-n{around}",
+            comm,
+            progress,
+            plan.skipped,
+        )
+        for around in plan.around_levels
+    ]
+    rows = scene_rows(scene, axisymmetric, full3d)
+    result = SceneResult(scene, tuple(axisymmetric), tuple(full3d), tuple(rows))
+    if comm.rank == 0:
+        write_rows(folder / ROWS_FILE, rows)
+        if result.answer is not None:
+            source = folder / f"{result.answer.summary.rung}-{result.answer.summary.level}"
+            for name in (PATH_FILE, SUMMARY_FILE):
+                shutil.copyfile(source / name, folder / name)
+    comm.barrier()
+    return result
+
+
+def _within_tolerance(scene: Scene, runs: Sequence[Run]) -> bool:
+    """True if the finest run's uncertainty from its two levels is within the scene's tolerance everywhere."""
+    rows = [r for r in scene_rows(scene, runs, []) if r.rung == "axisymmetric" and r.quantity == "tip_mm"]
+    finest = [r for r in rows if r.level == runs[-1].summary.level]
+    return all(r.uncertainty <= 0.01 * scene.ask.tolerance_percent * abs(r.value) for r in finest)
+
+
+def _read_run(folder: Path) -> Run:
+    return Run(read_summary(folder), tuple(read_path(folder)))
+
+
+def read_scene_folder(folder: Path) -> SceneResult:
+    """Read a scene's folder back.
+
+    Raises
+    ------
+    FileNotFoundError
+        If it holds no scene or no finished run.
+    """
+    scene = load_scene(folder / SCENE_FILE)
+    found = [_read_run(p.parent) for p in sorted(folder.glob(f"*-*/{SUMMARY_FILE}"))]
+    runs = sorted(found, key=lambda r: level_number(r.summary.level))
+    axisymmetric = tuple(r for r in runs if r.summary.rung == "axisymmetric")
+    full3d = tuple(r for r in runs if r.summary.rung == "full3d")
+    return SceneResult(scene, axisymmetric, full3d, tuple(scene_rows(scene, axisymmetric, full3d)))
+
+
+def render(folder: Path, title: str, introduction: str, scene_folders: Sequence[Path]) -> Path:
+    """Write the report of scene folders into ``folder``; returns the path of report.html."""
+    reports = []
+    total = 0.0
+    for scene_folder in scene_folders:
+        result = read_scene_folder(scene_folder)
+        runs = [*result.axisymmetric, *result.full3d]
+        total += sum(run.summary.time_s["total"] for run in runs)
+        paths: dict[str, list[PathRow]] = {f"{run.summary.rung} {run.summary.level}": list(run.path) for run in runs}
+        fields = {}
+        if result.full3d:
+            finest = scene_folder / f"full3d-{result.full3d[-1].summary.level}"
+            fields = field_files(finest, result.scene.load.pressure_kpa)
+        notes = [*validity_notes(result.scene), *dict.fromkeys(n for run in runs for n in run.summary.plan)]
+        reports.append(
+            SceneReport(
+                name=result.scene.name,
+                title=result.scene.title,
+                scene_toml=(scene_folder / SCENE_FILE).read_text(encoding="utf-8"),
+                pressures_kpa=tuple(result.scene.load.pressure_kpa),
+                rows=result.rows,
+                runs=tuple(run.summary for run in runs),
+                paths=paths,
+                fields=fields,
+                notes=tuple(notes),
+            )
+        )
+    facts = {
+        "commit": provenance.commit(),
+        "date": provenance.now(),
+        "machine": provenance.machine(),
+        "BLAS": provenance.blas(),
+        **provenance.versions(),
+    }
+    return write_report(folder, title, introduction, reports, facts, total)
