@@ -25,7 +25,7 @@ _SECONDS = 300.0
 _PIXELS_PER_MM = 11.0
 _LARGEST_WIDTH_PX = 3000
 _MARGIN_MM = 1.0
-_COLOURS = "YlGnBu"
+_COLOURS = "YlOrRd"  # light to dark, safe for the colour-blind; pale where nothing stretches
 _RING_REGION = 3
 _RING_COLOUR = "#b8b8b8"
 _SECTION_OFFSET = 1e-6  # of the body's size: beside the mesh's own faces, where a slice is well defined
@@ -168,7 +168,7 @@ def _image(
             if part.n_cells:
                 part = part.compute_normals(split_vertices=True, feature_angle=40.0)
                 plotter.add_mesh(
-                    part, smooth_shading=True, ambient=0.25 * brightness, diffuse=brightness, **colour
+                    part, smooth_shading=True, ambient=0.35 * brightness, diffuse=brightness, **colour
                 )
         of_section = np.isin(section["region"] == _RING_REGION, cells[is_ring].any())
         if of_section.any():

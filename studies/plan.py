@@ -75,9 +75,8 @@ def make_plan(scene: Scene, rung: Rung | None = None, around: tuple[int, ...] = 
         if rung is None:
             skipped.append(
                 f"meridian level r{MERIDIAN_LEVELS[-1]}: solved only if r{MERIDIAN_LEVELS[0]} and "
-                f"r{MERIDIAN_LEVELS[1]} differ by more than the tolerance, {scene.ask.tolerance_percent:g} %"
+                f"r{MERIDIAN_LEVELS[1]} do not hold the tolerance, {scene.ask.tolerance_percent:g} %"
             )
-            return Plan(chosen, MERIDIAN_LEVELS, (), tuple(skipped))
         return Plan(chosen, MERIDIAN_LEVELS, (), tuple(skipped))
     skipped.append("load steps of the full 3D run: each asked pressure starts from the axisymmetric state, revolved")
     return Plan(chosen, MERIDIAN_LEVELS, around or (AROUND_LEVELS[1],), tuple(skipped))

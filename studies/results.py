@@ -125,7 +125,7 @@ def read_path(folder: Path) -> list[PathRow]:
 
 def write_summary(folder: Path, summary: RunSummary) -> None:
     """Write summary.json."""
-    write_text_atomically(folder / SUMMARY_FILE, json.dumps(asdict(summary), indent=1) + "\n")
+    write_text_atomically(folder / SUMMARY_FILE, json.dumps(asdict(summary), indent=1, allow_nan=False) + "\n")
 
 
 def read_summary(folder: Path) -> RunSummary:

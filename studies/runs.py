@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 from mpi4py import MPI
 
+from analytical.bellows import closed_form
 from analytical.materials import SILICONE_DENSITY_G_CM3
 from meshes.meridian import default_resolution, meridian_mesh
 from meshes.quality import mesh_quality, region_volumes_mm3
@@ -49,6 +50,7 @@ from studies.scene import (
     Scene,
     bond_grade,
     bond_stiffness,
+    dimensions_of,
     inverse_kappa,
     law_of,
     ring_material,
@@ -225,6 +227,53 @@ def _masses_g(scene: Scene, meridian: SolidMesh) -> tuple[float, float]:
 
 
 # ---- running -----------------------------------------------------------------------------------------------
+
+
+def run_closed_form(scene: Scene, folder: Path, comm: MPI.Comm) -> Run:
+    """The closed form at the asked pressures, written like any other run; it costs nothing, so it is not kept.
+
+    Raises
+    ------
+    analytical.bellows.BellowsError
+        If it has no answer for the scene.
+    """
+    begin = time.perf_counter()
+    answer = closed_form(dimensions_of(scene), law_of(scene.material), np.array(scene.load.pressure_kpa))
+    silicone, rings = _masses_g(scene, scene_meridian(scene, 1))
+    unknown = math.nan
+    rows = tuple(
+        PathRow(p, "pressure", tip, tip, 0.0, unknown, unknown, unknown, unknown, unknown, unknown, "", 0, 0.0, "asked")
+        for p, tip in zip(scene.load.pressure_kpa, map(float, answer.elongation_mm), strict=True)
+    )
+    summary = RunSummary(
+        scene=scene.name,
+        rung="closed_form",
+        level="",
+        status="reached",
+        reason="",
+        content_hash=run_hash(scene, "closed_form", ""),
+        plan=(),
+        dofs=0,
+        cells=0,
+        nodes=0,
+        factorisations=0,
+        newton_iterations=0,
+        rejected_steps=0,
+        silicone_g=silicone,
+        ring_g=rings,
+        time_s={"total": time.perf_counter() - begin},
+        peak_mb=provenance.peak_memory_mb(comm),
+        versions=provenance.versions(),
+        blas=provenance.blas(),
+        ranks=comm.size,
+        threads=provenance.blas_threads(),
+        commit=provenance.commit(),
+        when=provenance.now(),
+    )
+    if comm.rank == 0:
+        write_path(folder, rows)
+        write_summary(folder, summary)
+    return Run(summary, rows)
 
 
 def run_axisymmetric(scene: Scene, refinement: int, folder: Path, comm: MPI.Comm, progress: Progress) -> Run:

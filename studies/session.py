@@ -16,7 +16,7 @@ from studies.progress import Progress
 from studies.report import SceneReport, write_report
 from studies.results import PATH_FILE, SUMMARY_FILE, PathRow, read_path, read_summary
 from studies.rows import Row, write_rows
-from studies.runs import Run, field_files, run_axisymmetric, run_full3d
+from studies.runs import Run, field_files, run_axisymmetric, run_closed_form, run_full3d
 from studies.scene import Scene, load_scene
 
 SCENE_FILE, ROWS_FILE = "scene.toml", "rows.csv"
@@ -82,6 +82,8 @@ def run_plan(
         )
         for around in plan.around_levels
     ]
+    if plan.rung == "closed_form":
+        run_closed_form(scene, folder, comm)
     rows = scene_rows(scene, axisymmetric, full3d)
     result = SceneResult(scene, tuple(axisymmetric), tuple(full3d), tuple(rows))
     if comm.rank == 0:
