@@ -158,21 +158,19 @@ def _image(
     cut = _SECTION_OFFSET * float(size.max())
     is_ring = body["region"] == _RING_REGION
     section = body.slice("y", origin=(0.0, cut, 0.0)).clip("x", origin=(0.0, 0.0, 0.0))
-    for cells, colour in ((~is_ring, look), (is_ring, {"color": _RING_COLOUR})):
-        if not cells.any():
+    for of_ring, colour in ((False, look), (True, {"color": _RING_COLOUR})):
+        if not (is_ring == of_ring).any():
             continue
-        surface = _surface(body, cells)
+        surface = _surface(body, is_ring == of_ring)
         above = surface.clip("x", invert=False, origin=(0.0, 0.0, 0.0))
         behind = surface.clip("x", origin=(0.0, 0.0, 0.0)).clip("y", origin=(0.0, cut, 0.0))
         for part, brightness in ((above, 1.0), (behind, 0.85)):
             if part.n_cells:
                 part = part.compute_normals(split_vertices=True, feature_angle=40.0)
-                plotter.add_mesh(
-                    part, smooth_shading=True, ambient=0.35 * brightness, diffuse=brightness, **colour
-                )
-        of_section = np.isin(section["region"] == _RING_REGION, cells[is_ring].any())
-        if of_section.any():
-            face = section.extract_cells(of_section).extract_surface(algorithm="dataset_surface").clean()
+                plotter.add_mesh(part, smooth_shading=True, ambient=0.35 * brightness, diffuse=brightness, **colour)
+        wanted = (section["region"] == _RING_REGION) == of_ring
+        if wanted.any():
+            face = section.extract_cells(wanted).extract_surface(algorithm="dataset_surface").clean()
             plotter.add_mesh(face, lighting=False, **colour)
             outline = face.extract_feature_edges(
                 boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False

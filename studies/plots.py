@@ -53,6 +53,12 @@ _ACTIVITIES = (
     "#AA4499",
 )
 _OTHER_COLOUR = "#D0D0D0"
+_BESIDE: dict[str, Any] = {
+    "loc": "upper left",
+    "bbox_to_anchor": (1.01, 1.0),
+    "borderaxespad": 0.0,
+    "frameon": False,
+}
 
 
 @dataclass(frozen=True)
@@ -69,8 +75,8 @@ class Curve:
         Half height of the error bars, mm; NaN draws none, empty means there are none.
     markers
         False: a line only, for paths of many states.
-    stopped
-        Empty, or what the legend says of the cross drawn at the last point.
+    stopped, stopped_at
+        Empty, or what the legend says of the cross where the run ended; its pressure (kPa) and tip (mm).
     """
 
     rung: str
@@ -80,6 +86,7 @@ class Curve:
     uncertainty_mm: tuple[float, ...] = ()
     markers: bool = True
     stopped: str = ""
+    stopped_at: tuple[float, float] = (0.0, 0.0)
 
 
 def draw_elongation(path: Path, curves: Sequence[Curve], asked_kpa: Sequence[float]) -> None:
@@ -92,55 +99,49 @@ def draw_elongation(path: Path, curves: Sequence[Curve], asked_kpa: Sequence[flo
     curves
         What to draw, in the order of the legend.
     asked_kpa
-        Asked pressures, kPa; the axis reaches the highest also if no curve does.
+        Asked pressures, kPa, at least one; the axis reaches all of them also if no curve does.
     """
     with _figure(path, 8.2, 4.9) as figure:
         axes = figure.add_subplot()
         others = cycle(_OTHERS)
+        entries: list[Any] = []
         for place, curve in enumerate(curves):
             style = dict(_STYLES.get(curve.rung) or next(others))
-            size = {"*": 13.0, "P": 9.0}.get(style["marker"], 6.5)
+            style["markersize"] = {"*": 13.0, "P": 10.0}.get(style["marker"], 6.5)
             if not curve.markers:
                 style["marker"] = "none"
             if style["linestyle"] == "none":
-                style |= {"markeredgecolor": "white", "markeredgewidth": 0.7}
-            axes.errorbar(
-                curve.pressure_kpa,
-                curve.tip_mm,
-                yerr=curve.uncertainty_mm or None,
-                label=curve.label,
-                markersize=size,
-                linewidth=1.8,
-                elinewidth=1.2,
-                capsize=3.5,
-                zorder=3.0 + 0.01 * place,
-                **style,
-            )
-            if curve.stopped and curve.pressure_kpa:
-                axes.plot(
-                    curve.pressure_kpa[-1],
-                    curve.tip_mm[-1],
-                    color=style["color"],
-                    linestyle="none",
-                    marker="x",
-                    markersize=12,
-                    markeredgewidth=2.6,
-                    label=curve.stopped,
-                    zorder=5.0,
+                style |= {"markeredgecolor": _edge(curve.rung), "markeredgewidth": 0.8}
+            entries.append(
+                axes.errorbar(
+                    curve.pressure_kpa,
+                    curve.tip_mm,
+                    yerr=curve.uncertainty_mm or None,
+                    label=curve.label,
+                    linewidth=1.8,
+                    elinewidth=1.2,
+                    capsize=3.5,
+                    zorder=3.0 + 0.01 * place,
+                    **style,
                 )
+            )
+            if curve.stopped:
+                look: dict[str, Any] = {"marker": "x", "markersize": 11, "markeredgewidth": 2.6, "linestyle": "none"}
+                pressure, tip = curve.stopped_at
+                entries += axes.plot(pressure, tip, color=style["color"], label=curve.stopped, zorder=5.0, **look)
         axes.set_xlabel("cavity pressure, kPa")
         axes.set_ylabel("elongation at the tip, mm")
-        highest = max(asked_kpa, default=1.0)
-        axes.set_xlim(0.0, 1.04 * highest)
-        axes.set_ylim(bottom=0.0)
-        if asked_kpa and len(asked_kpa) <= 8:
+        drawn = [tip for curve in curves for tip in curve.tip_mm]
+        axes.set_xlim(1.04 * min(0.0, *asked_kpa), 1.04 * max(0.0, *asked_kpa))
+        axes.set_ylim(bottom=1.04 * min([0.0, *drawn]))
+        if len(asked_kpa) <= 8:
             axes.set_xticks([0.0, *asked_kpa])
         axes.grid(color="#e4e4e4", zorder=0)
         axes.set_axisbelow(True)
-        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False)
+        axes.legend(handles=entries, **_BESIDE)
 
 
-def draw_overview(path: Path, scenes: Sequence[str], values_mm: Mapping[str, Sequence[float]]) -> None:
+def draw_overview(path: Path, scenes: Sequence[str], values_mm: Mapping[tuple[str, str], Sequence[float]]) -> None:
     """Draw the tip displacement of several scenes, one line of dots each.
 
     Parameters
@@ -150,20 +151,21 @@ def draw_overview(path: Path, scenes: Sequence[str], values_mm: Mapping[str, Seq
     scenes
         A label per scene.
     values_mm
-        By ``rung: label`` pairs joined by a tab, one value per scene, mm; NaN is not drawn.
+        By rung and its label, one value per scene, mm; NaN is not drawn.
     """
     with _figure(path, 8.2, 1.2 + 0.55 * len(scenes)) as figure:
         axes = figure.add_subplot()
         others = cycle(_OTHERS)
-        for place, (key, values) in enumerate(values_mm.items()):
-            rung, label = key.split("\t")
+        for place, ((rung, label), values) in enumerate(values_mm.items()):
             style = dict(_STYLES.get(rung) or next(others)) | {"linestyle": "none"}
             offset = 0.09 * (place - 0.5 * (len(values_mm) - 1))
             axes.plot(
                 values,
                 [row + offset for row in range(len(scenes))],
                 label=label,
-                markersize=11.0 if style["marker"] == "*" else 7.0,
+                markersize={"*": 13.0, "P": 10.0}.get(style["marker"], 7.5),
+                markeredgecolor=_edge(rung),
+                markeredgewidth=0.8,
                 **style,
             )
         axes.set_yticks(range(len(scenes)), scenes)
@@ -175,7 +177,7 @@ def draw_overview(path: Path, scenes: Sequence[str], values_mm: Mapping[str, Seq
         axes.tick_params(axis="y", length=0)
         axes.grid(axis="x", color="#e4e4e4")
         axes.set_axisbelow(True)
-        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False)
+        axes.legend(**_BESIDE)
 
 
 def draw_times(path: Path, runs: Sequence[str], seconds: Mapping[str, Sequence[float]]) -> None:
@@ -217,6 +219,11 @@ def draw_times(path: Path, runs: Sequence[str], seconds: Mapping[str, Sequence[f
             axes.grid(axis="x", color="#e4e4e4")
             axes.set_axisbelow(True)
         figure.legend(loc="outside upper center", ncols=5, frameon=False, columnspacing=1.4)
+
+
+def _edge(rung: str) -> str:
+    """Colour round a marker: printed numbers are told from computed ones by black."""
+    return "black" if rung.startswith("paper_") else "white"
 
 
 @contextmanager

@@ -127,7 +127,7 @@ def write_report(
         introduction=introduction,
         summary=_summary(scenes),
         overview=_draw_overview(folder, scenes),
-        compared_with_paper=any(row.rung.startswith("paper_") for scene in scenes for row in scene.rows),
+        compared_with_paper=any(_is_printed(row) for scene in scenes for row in scene.rows),
         levels={rung: _levels(scenes, rung) for rung in REFERENCES},
         scenes=[_scene(folder, scene) for scene in scenes],
         provenance=_provenance(scenes, provenance),
@@ -169,14 +169,14 @@ def verdict(scene: SceneReport) -> str:
         and full.value != 0.0
     ]
     if not pairs:
-        return "no state that both axisymmetric and full 3D reached"
+        return "no pressure that both axisymmetric and full 3D reached"
     largest = max(abs(_difference(one.value, other.value)) for one, other in pairs)
     text = f"axisymmetric within {_rounded_up(largest, 2):g} % of full 3D"
     if len(pairs) < len(scene.pressures_kpa):
         text += f" at {len(pairs)} of {len(scene.pressures_kpa)} pressures"
     margins = [one.uncertainty + other.uncertainty - abs(one.value - other.value) for one, other in pairs]
     if all(math.isfinite(margin) for margin in margins):
-        text += f", {'within' if min(margins) >= 0.0 else 'more than'} their uncertainties"
+        text += f", {'within' if min(margins) >= 0.0 else 'beyond'} the sum of their uncertainties"
     return text
 
 
@@ -184,27 +184,27 @@ def verdict(scene: SceneReport) -> str:
 
 
 def _summary(scenes: Sequence[SceneReport]) -> Table:
-    rungs = [rung for rung in _ordered(row.rung for s in scenes for row in s.rows if row.quantity == TIP)]
+    rungs = _ordered(row.rung for scene in scenes for row in scene.rows if row.quantity == TIP)
     lines = []
     for scene in scenes:
         highest = max(scene.pressures_kpa)
         values = [_value(headline(scene, rung, highest)) for rung in rungs]
-        link = f"[{_cell(scene.name)}](#{_anchor(scene)})"
+        link = f"[{scene.name}](#{_anchor(scene)})"
         lines.append((link, f"{highest:g}", *values, _status(scene), verdict(scene)))
-    header = ("scene", "kPa", *(f"{_label(rung)}, mm" for rung in rungs), "status", "verdict")
+    header = ("scene", "kPa", *map(_label, rungs), "status", "verdict")
     return Table(header, tuple(lines), left=(0, len(header) - 2, len(header) - 1))
 
 
 def _tips(scene: SceneReport) -> Table:
     """The side-by-side table: a line per pressure, a column per rung, and the negative modes."""
     rungs = _rungs(scene)
-    counted = [rung for rung in REFERENCES if _finest_path(scene, rung)]
+    counted = [rung for rung in RUNGS if _finest_path(scene, rung)]
     lines = []
     for pressure in scene.pressures_kpa:
         values = [_value(headline(scene, rung, pressure)) for rung in rungs]
         modes = [_modes(_finest_path(scene, rung), pressure) for rung in counted]
         lines.append((f"{pressure:g}", *values, *modes))
-    header = ("pressure, kPa", *(f"{_label(rung)}, mm" for rung in rungs))
+    header = ("pressure, kPa", *map(_label, rungs))
     header += tuple(f"unstable modes, {_label(rung)}" for rung in counted)
     return Table(header, tuple(lines), left=())
 
@@ -215,36 +215,55 @@ def _differences(scene: SceneReport) -> Table:
     lines = []
     for pressure in scene.pressures_kpa:
         reference = _reference(scene, pressure)
+        if reference is None:
+            lines.append((f"{pressure:g}", *(MISSING,) * (1 + len(rungs))))
+            continue
         cells = []
         for rung in rungs:
             row = headline(scene, rung, pressure)
-            is_itself = reference is not None and rung == reference.rung
-            known = row is not None and reference is not None and math.isfinite(row.value) and not is_itself
-            cells.append(_signed(_difference(row.value, reference.value)) if known else MISSING)  # type: ignore[union-attr]
-        lines.append((f"{pressure:g}", _label(reference.rung) if reference else MISSING, *cells))
-    header = ("pressure, kPa", "compared with", *(f"{_label(rung)}, %" for rung in rungs))
+            known = row is not None and math.isfinite(row.value) and rung != reference.rung
+            cells.append(_signed(_difference(row.value, reference.value)) if row and known else MISSING)
+        lines.append((f"{pressure:g}", _label(reference.rung), *cells))
+    header = ("pressure, kPa", "compared with", *map(_label, rungs))
     return Table(header, tuple(lines), left=(1,))
 
 
+def _comparisons(scene: SceneReport) -> Table:
+    """The tip's rows whose reference is another than that of `_differences`, finest level of each rung."""
+    lines = []
+    for rung in _rungs(scene):
+        for pressure in scene.pressures_kpa:
+            row, usual = headline(scene, rung, pressure), _reference(scene, pressure)
+            shown = row and usual and math.isclose(row.reference, usual.value, rel_tol=1e-6)
+            if row and math.isfinite(row.reference) and not shown:
+                error = _signed(row.error_percent) if math.isfinite(row.error_percent) else MISSING
+                model = _model(rung, row.level)
+                lines.append(
+                    (model, f"{pressure:g}", _value(row), f"{row.reference:.5g}", error, row.source or MISSING)
+                )
+    header = ("model", "pressure, kPa", "value, mm", "reference, mm", "error, %", "source of the reference")
+    return Table(header, tuple(lines), left=(0, 5))
+
+
 def _stops(scene: SceneReport) -> list[str]:
-    """A sentence per level that did not reach all pressures, with its reason."""
-    found: dict[tuple[str, str, str], list[str]] = {}
-    for row in scene.rows:
-        if row.quantity == TIP and row.status != REACHED:
-            found.setdefault((row.rung, row.level, row.status), []).append(f"{row.pressure_kpa:g}")
-    return [
-        f"{_model(rung, level)}, asked for {', '.join(pressures)} kPa: {status}"
-        for (rung, level, status), pressures in found.items()
-    ]
+    """A sentence per way in which levels did not reach a pressure, with its reason."""
+    stops = [row for row in scene.rows if row.quantity == TIP and row.status != REACHED]
+    found: dict[tuple[str, str], dict[str, None]] = {}
+    for row in stops:
+        found.setdefault((row.rung, row.status), {})[row.level] = None
+    sentences = []
+    for (rung, status), levels in found.items():
+        asked = sorted({row.pressure_kpa for row in stops if (row.rung, row.status) == (rung, status)})
+        asked_text = ", ".join(f"{pressure:g}" for pressure in asked)
+        sentences.append(f"{_model(rung, ', '.join(levels))}, asked for {asked_text} kPa: {status}")
+    return sentences
 
 
 def _convergence(scene: SceneReport) -> Table:
     """The tip at each level beside its size, so that the discretisation error is seen."""
     lines = []
     for rung in _rungs(scene):
-        levels = sorted(
-            {row.level for row in scene.rows if (row.quantity, row.rung) == (TIP, rung)}, key=fineness
-        )
+        levels = sorted({row.level for row in scene.rows if (row.quantity, row.rung) == (TIP, rung)}, key=fineness)
         if levels == [""]:
             continue
         for level in levels:
@@ -254,10 +273,11 @@ def _convergence(scene: SceneReport) -> Table:
             lines.append((_model(rung, level), *size, *tips))
         bounds = [headline(scene, rung, pressure) for pressure in scene.pressures_kpa]
         if any(row and math.isfinite(row.uncertainty) for row in bounds):
-            texts = (f"± {_up(row.uncertainty, 3)}" if row else MISSING for row in bounds)
+            known = (row.uncertainty if row else math.nan for row in bounds)
+            texts = (MISSING if math.isnan(bound) else f"± {_up(bound, 3)}" for bound in known)
             lines.append((f"uncertainty of {_model(rung, levels[-1])}", "", "", "", *texts))
-    tips = tuple(f"{pressure:g} kPa: mm" for pressure in scene.pressures_kpa)
-    return Table(("model", "cells", "nodes", "unknowns", *tips), tuple(lines))
+    header = (f"at {pressure:g} kPa, mm" for pressure in scene.pressures_kpa)
+    return Table(("model", "cells", "nodes", "unknowns", *header), tuple(lines))
 
 
 def _others(scene: SceneReport) -> Table:
@@ -320,28 +340,23 @@ def _times(scene: SceneReport) -> Table:
 
 
 def _masses(scene: SceneReport) -> Table:
-    """Masses of the meshes, equal ones on one line, and printed ones below."""
-    runs: dict[tuple[str, str, str], list[str]] = {}
+    """Masses of the meshes, equal ones on one line, and what the rows compare them with."""
+    runs: dict[tuple[str, ...], list[RunSummary]] = {}
     for run in scene.runs:
         masses = (run.silicone_g, run.ring_g, run.silicone_g + run.ring_g)
-        silicone, rings, both = (MISSING if math.isnan(mass) else f"{mass:.2f}" for mass in masses)
-        runs.setdefault((silicone, rings, both), []).append(_model(run.rung, run.level))
-    lines = [(", ".join(models), *masses, "") for masses, models in runs.items()]
-    printed = dict.fromkeys(
+        texts = tuple(MISSING if math.isnan(mass) else f"{mass:.2f}" for mass in masses)
+        runs.setdefault(texts, []).append(run)
+    lines = [(_models(equal), *masses) for masses, equal in runs.items()]
+    references = dict.fromkeys(
         (row.quantity, f"{row.reference:g}", row.source)
         for row in scene.rows
         if row.unit == "g" and math.isfinite(row.reference)
     )
-    lines += [
-        (
-            source or "reference",
-            *(mass if quantity == name else "" for name in ("silicone_g", "ring_g")),
-            mass if quantity not in ("silicone_g", "ring_g") else "",
-            quantity,
-        )
-        for quantity, mass, source in printed
-    ]
-    return Table(("mesh", "silicone, g", "rings, g", "together, g", "compared row"), tuple(lines), left=(0, 4))
+    columns = ("silicone_g", "ring_g")
+    for quantity, mass, source in references:
+        place = columns.index(quantity) if quantity in columns else len(columns)
+        lines.append((f"reference: {source}", *("", "", "")[:place], mass, *("", "", "")[place + 1 :]))
+    return Table(("mesh", "silicone, g", "rings, g", "together, g"), tuple(lines))
 
 
 def _provenance(scenes: Sequence[SceneReport], provenance: Mapping[str, str]) -> Table:
@@ -370,9 +385,7 @@ def _scene(folder: Path, scene: SceneReport) -> dict[str, Any]:
     elongation, states, times = (f"pictures/{anchor}-{name}.png" for name in ("elongation", "states", "times"))
     draw_elongation(folder / elongation, _curves(scene), scene.pressures_kpa)
     if scene.runs:
-        draw_times(
-            folder / times, [_model(run.rung, run.level) for run in scene.runs], _seconds(scene.runs)
-        )
+        draw_times(folder / times, [_model(run.rung, run.level) for run in scene.runs], _seconds(scene.runs))
     why_no_states = "no fields were kept"
     if scene.fields:
         why_no_states = draw_states(folder / states, _stills(scene))
@@ -384,6 +397,8 @@ def _scene(folder: Path, scene: SceneReport) -> dict[str, Any]:
         "verdict": verdict(scene),
         "tips": _tips(scene),
         "differences": _differences(scene),
+        "printed_in": list(dict.fromkeys(row.source for row in scene.rows if _is_printed(row) and row.source)),
+        "comparisons": _comparisons(scene),
         "stops": _stops(scene),
         "elongation": elongation,
         "states": states,
@@ -414,8 +429,7 @@ def _curves(scene: SceneReport) -> list[Curve]:
         elif not rung.startswith("paper_") and rung != "full3d":
             points, bars = _from_rest(points), []
         stop = next((row.status for row in rows if row.status != REACHED), "")
-        if stop and rung == "full3d" and path and path[-1] not in points:
-            points, bars = [*points, path[-1]], [*bars, math.nan]
+        end = (path or _from_rest(points))[-1]
         curves.append(
             Curve(
                 rung=rung,
@@ -425,6 +439,7 @@ def _curves(scene: SceneReport) -> list[Curve]:
                 uncertainty_mm=tuple(bars) if any(math.isfinite(bar) for bar in bars) else (),
                 markers=not (rung == "axisymmetric" and path),
                 stopped=f"{_label(rung)} {_short_status(stop)}" if stop else "",
+                stopped_at=end,
             )
         )
     return curves
@@ -448,10 +463,10 @@ def _draw_overview(folder: Path, scenes: Sequence[SceneReport]) -> str:
     """Draw all scenes at their highest pressure; the picture's place, empty for a single scene."""
     if len(scenes) < 2:
         return ""
-    values: dict[str, list[float]] = {}
+    values: dict[tuple[str, str], list[float]] = {}
     for rung in _ordered(row.rung for scene in scenes for row in scene.rows if row.quantity == TIP):
         rows = [headline(scene, rung, max(scene.pressures_kpa)) for scene in scenes]
-        values[f"{rung}\t{_label(rung)}"] = [row.value if row else math.nan for row in rows]
+        values[rung, _label(rung)] = [row.value if row else math.nan for row in rows]
     labels = [f"{scene.name}\n{max(scene.pressures_kpa):g} kPa" for scene in scenes]
     draw_overview(folder / "pictures/overview.png", labels, values)
     return "pictures/overview.png"
@@ -472,11 +487,11 @@ def _files(folder: Path, scene: SceneReport) -> list[tuple[str, str]]:
 
 def _plans(scene: SceneReport) -> list[str]:
     """What the runs' plans skipped, each sentence once, with the runs it holds for."""
-    found: dict[str, list[str]] = {}
+    found: dict[str, list[RunSummary]] = {}
     for run in scene.runs:
         for sentence in run.plan:
-            found.setdefault(sentence, []).append(_model(run.rung, run.level))
-    return [f"{sentence} ({', '.join(models)})" for sentence, models in found.items()]
+            found.setdefault(sentence, []).append(run)
+    return [f"{sentence} ({_models(runs)})" for sentence, runs in found.items()]
 
 
 def _instabilities(scene: SceneReport) -> list[str]:
@@ -486,9 +501,7 @@ def _instabilities(scene: SceneReport) -> list[str]:
         first = next((state for state in states if state.unstable_modes > 0), None)
         if first:
             where = f"{_number(first.pressure_kpa)} kPa and {first.tip_mm:.2f} mm"
-            sentences.append(
-                f"{_model(*_split(key))}: first state with {first.unstable_modes} unstable at {where}"
-            )
+            sentences.append(f"{_model(*_split(key))}: first state with {first.unstable_modes} unstable at {where}")
     return sentences
 
 
@@ -503,6 +516,10 @@ def _ordered(rungs: Iterable[str]) -> list[str]:
 
 def _rungs(scene: SceneReport) -> list[str]:
     return _ordered(row.rung for row in scene.rows if row.quantity == TIP)
+
+
+def _is_printed(row: Row) -> bool:
+    return row.rung.startswith("paper_")
 
 
 def _levels(scenes: Sequence[SceneReport], rung: str) -> list[str]:
@@ -530,20 +547,18 @@ def _modes(states: Sequence[PathRow], pressure_kpa: float) -> str:
 
 def _level_value(scene: SceneReport, rung: str, level: str, pressure_kpa: float) -> str:
     for row in scene.rows:
-        if (row.quantity, row.rung, row.level) == (TIP, rung, level) and math.isclose(
-            row.pressure_kpa, pressure_kpa
-        ):
+        if (row.quantity, row.rung, row.level) == (TIP, rung, level) and math.isclose(row.pressure_kpa, pressure_kpa):
             return f"{row.value:.3f}" if math.isfinite(row.value) else _short_status(row.status)
     return MISSING
 
 
 def _status(scene: SceneReport) -> str:
-    stops = dict.fromkeys(
-        f"{_model(row.rung, row.level)} {_short_status(row.status)}"
-        for row in scene.rows
-        if row.quantity == TIP and row.status != REACHED
-    )
-    return "; ".join(stops) or REACHED
+    stops: dict[tuple[str, str], dict[str, None]] = {}
+    for row in scene.rows:
+        if row.quantity == TIP and row.status != REACHED:
+            stops.setdefault((row.rung, _short_status(row.status)), {})[row.level] = None
+    texts = (f"{_model(rung, ', '.join(levels))} {status}" for (rung, status), levels in stops.items())
+    return "; ".join(texts) or REACHED
 
 
 def _split(key: str) -> tuple[str, str]:
@@ -562,6 +577,13 @@ def _model(rung: str, level: str) -> str:
     return f"{_label(rung)} {level}".strip()
 
 
+def _models(runs: Iterable[RunSummary]) -> str:
+    levels: dict[str, list[str]] = {}
+    for run in runs:
+        levels.setdefault(run.rung, []).append(run.level)
+    return "; ".join(_model(rung, ", ".join(of_rung)) for rung, of_rung in levels.items())
+
+
 def _anchor(scene: SceneReport) -> str:
     return re.sub(r"[^a-z0-9]+", "-", scene.name.lower()).strip("-")
 
@@ -572,7 +594,7 @@ def _value(row: Row | None) -> str:
         return MISSING
     if not math.isfinite(row.value):
         return _short_status(row.status)
-    if row.rung.startswith("paper_"):
+    if _is_printed(row):
         return f"{row.value:g}"
     text = f"{row.value:.2f}"
     return text if math.isnan(row.uncertainty) else f"{text} ± {_up(row.uncertainty, 2)}"
@@ -601,13 +623,12 @@ def _difference(value: float, reference: float) -> float:
 
 
 def _signed(percent: float) -> str:
-    return f"{percent:+.2f}" if abs(percent) < 1.0 else f"{percent:+.1f}"
+    text = f"{percent:+.2f}" if abs(percent) < 1.0 else f"{percent:+.1f}"
+    return text.replace("-", "\N{MINUS SIGN}")
 
 
 def _up(value: float, decimals: int) -> str:
-    """An uncertainty rounded up, so that none reads as zero; a dash for NaN."""
-    if math.isnan(value):
-        return MISSING
+    """An uncertainty rounded up, so that none reads as zero."""
     scale = 10.0**decimals
     return f"{math.ceil(value * scale - 1e-9) / scale:.{decimals}f}"
 
@@ -640,7 +661,8 @@ def _duration(seconds: float) -> str:
 
 def _cell(text: str) -> str:
     """Text made safe for a Markdown table and for HTML."""
-    return " ".join(text.split()).replace("&", "&amp;").replace("<", "&lt;").replace("|", "\\|")
+    text = re.sub(r"[ \t\r\n]+", " ", text).strip()
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace("|", "\\|")
 
 
 def _data_uri(picture: Path) -> str:
