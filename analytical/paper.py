@@ -16,6 +16,7 @@ from analytical.materials import DRAGON_SKIN_10, Law, dragon_skin_30
 
 SOURCE: Final = "Heung et al., Biomimetics 2024, 9, 160, DOI 10.3390/biomimetics9030160"
 
+PRINTED_MASS_G = 19.0  # "approximate weight", section 2; the text does not say whether the rings count
 PRINTED_PRESSURE_KPA: Final = 20.0
 PRINTED_ROOT_RADIUS_MM: Final = 5.0
 

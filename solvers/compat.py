@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from typing import Any
 
 import dolfinx
@@ -48,6 +49,10 @@ def facet_corner_nodes(mesh: dmesh.Mesh, facets: NDArray[np.int32]) -> NDArray[n
     """Geometry nodes at the corners of facets, shape (facets, d)."""
     mesh.topology.create_connectivity(mesh.topology.dim - 1, 0)
     return cpp.mesh.entities_to_geometry(mesh._mesh, mesh.topology.dim - 1, facets, False)
+
+
+# cffi's build of a form says what it runs, at level INFO of the root logger.
+logging.getLogger().addFilter(lambda record: record.levelno > logging.INFO)
 
 
 def compile_form(form: Any) -> Any:

@@ -10,10 +10,10 @@ from solvers.domain import FloatArray
 from solvers.errors import StepFailed
 from solvers.problem import Problem
 
-# MUMPS controls (users' guide 5.5). 7 = 2: approximate minimum fill orders meshes of tetrahedra three times
-# cheaper than PORD here, and Debian's MUMPS has no METIS; 13 = 1: no parallel root, whose negative pivots
-# INFOG(12) would miss; 24 = 1: null pivots are detected rather than divided by; 14: extra workspace in percent.
-ICNTL = {7: 2, 13: 1, 14: 40, 24: 1}
+# MUMPS controls (users' guide 5.5). 13 = 1: no parallel root, whose negative pivots INFOG(12) would miss; 14: extra
+# workspace in percent; 24 = 1: null pivots are detected rather than divided by. The ordering is left to MUMPS: it takes
+# PORD, which needs half the flops of AMF on these bodies (docs/decisions.md).
+ICNTL = {13: 1, 14: 40, 24: 1}
 WORKSPACE_RETRIES = (100, 300)
 
 
@@ -41,6 +41,13 @@ class Factor:
         for control, value in {**ICNTL, 14: workspace}.items():
             factor.setMumpsIcntl(control, value)
         return solver
+
+    def close(self) -> None:
+        """Free the matrix and its factors; PETSc would keep them until its objects are collected."""
+        if self.solver is not None:
+            self.solver.destroy()
+            self.solver = None
+        self.matrix.destroy()
 
     def refresh(self) -> None:
         """Assemble and factor the tangent at the current state.

@@ -66,7 +66,15 @@ def scene_rows(scene: Scene, axisymmetric: Sequence[Run], full3d: Sequence[Run])
         Errors are against the finest full 3D run where it reached the pressure, else against the finest
         axisymmetric one.
     """
-    return [r for pressure in scene.load.pressure_kpa for r in _rows_at(scene, pressure, axisymmetric, full3d)]
+    rows = [r for pressure in scene.load.pressure_kpa for r in _rows_at(scene, pressure, axisymmetric, full3d)]
+    for run in axisymmetric[-1:]:
+        # Reference: the paper's mass of "the actuator", printed once for all four.
+        mass, printed = run.summary.silicone_g, paper.PRINTED_MASS_G if _printed(scene) else math.nan
+        source = paper.SOURCE if _printed(scene) else ""
+        rows.append(row(scene.name, "silicone_g", "g", math.nan, "axisymmetric", mass, run.summary.level,
+                        reference=printed, source=source))  # fmt: skip
+        rows.append(row(scene.name, "ring_g", "g", math.nan, "axisymmetric", run.summary.ring_g, run.summary.level))
+    return rows
 
 
 def _rows_at(scene: Scene, pressure: float, axisymmetric: Sequence[Run], full3d: Sequence[Run]) -> list[Row]:

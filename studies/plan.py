@@ -12,7 +12,7 @@ RUNGS: tuple[Rung, ...] = ("closed_form", "axisymmetric", "full3d")
 
 # Meridian refinements for the error estimate; the body of revolution is made from the first.
 MERIDIAN_LEVELS = (1, 2, 4)
-AROUND_LEVELS = (8, 16, 24)
+AROUND_LEVELS = (8, 12, 16)
 
 
 @dataclass(frozen=True)

@@ -501,7 +501,7 @@ def _instabilities(scene: SceneReport) -> list[str]:
         first = next((state for state in states if state.unstable_modes > 0), None)
         if first:
             where = f"{_number(first.pressure_kpa)} kPa and {first.tip_mm:.2f} mm"
-            sentences.append(f"{_model(*_split(key))}: first state with {first.unstable_modes} unstable at {where}")
+            sentences.append(f"{_model(*_split(key))}: first state with {first.unstable_modes:.0f} unstable at {where}")
     return sentences
 
 
@@ -542,7 +542,7 @@ def _modes(states: Sequence[PathRow], pressure_kpa: float) -> str:
     """Negative modes at an asked pressure; a dash where it was not reached or they were not counted."""
     asked = (state for state in states if state.status == "asked")
     found = next((s for s in asked if math.isclose(s.pressure_kpa, pressure_kpa, rel_tol=1e-6)), None)
-    return MISSING if found is None or found.unstable_modes < 0 else str(found.unstable_modes)
+    return MISSING if found is None or math.isnan(found.unstable_modes) else f"{found.unstable_modes:.0f}"
 
 
 def _level_value(scene: SceneReport, rung: str, level: str, pressure_kpa: float) -> str:

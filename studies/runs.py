@@ -456,6 +456,7 @@ def _finish(  # noqa: PLR0913
     """Write a run's path and summary on rank 0; the same Run on every rank."""
     comm = problem.comm
     peak = provenance.peak_memory_mb(comm)
+    factor.close()
     seconds = {k: float(v) for k, v in problem.timer.seconds.items()}
     summary = None
     if comm.rank == 0:

@@ -232,3 +232,47 @@ def bellows_problem(one_convolution, coarse_meridian, coarse_solid, make_problem
         return SimpleNamespace(mesh=mesh, problem=problem, factor=Factor(problem))
 
     return build
+
+
+@pytest.fixture(scope="session")
+def inflated(bellows_problem):
+    """Cached path of the axisymmetric bellows to 5 and 10 kPa, solved to 1e-11."""
+    from solvers.newton import NewtonSettings
+    from solvers.path import PathSettings, follow_path
+
+    @functools.cache
+    def follow(law="yeoh"):
+        case = bellows_problem(2, law)
+        settings = PathSettings(newton=NewtonSettings(relative_tolerance=1e-11))
+        path = follow_path(case.problem, case.factor, [0.005, 0.010], settings)
+        assert path.reached, path.reason
+        return path
+
+    return follow
+
+
+@pytest.fixture(scope="session")
+def inflated_solid(bellows_problem, inflated):
+    """The same in 3D, started from the revolved axisymmetric states; only the asked pressures."""
+    from meshes.revolve import revolve_vector
+    from solvers.newton import NewtonSettings
+    from solvers.path import PathSettings, follow_guesses
+    from solvers.problem import State
+
+    @functools.cache
+    def follow(law="yeoh"):
+        case = bellows_problem(3, law)
+        guesses = []
+        for point in inflated(law).states:
+            if point.asked:
+                flat = point.state
+                motions = np.zeros((len(flat.bodies_mm), 6))
+                motions[:, 2] = flat.bodies_mm[:, 0]
+                u = revolve_vector(flat.displacement_mm, case.mesh)
+                guesses.append(State(u, flat.pressure_mpa[case.mesh.meridian_node], motions, flat.load_mpa))
+        settings = PathSettings(newton=NewtonSettings(relative_tolerance=1e-11))
+        path = follow_guesses(case.problem, case.factor, guesses, settings)
+        assert path.reached, path.reason
+        return path
+
+    return follow

@@ -1,0 +1,88 @@
+"""A thick neo-Hookean sphere: it has a limit point, known exactly, and loses stability under pressure there."""
+
+from __future__ import annotations
+
+import dataclasses
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+from analytical.materials import DRAGON_SKIN_10, NeoHooke, dragon_skin_30
+from meshes.solid import SolidMesh
+from solvers.linear import Factor
+from solvers.newton import NewtonSettings, solve_equilibrium
+from solvers.path import PathSettings, follow_path
+
+INNER, OUTER, MU = 5.0, 6.5, 0.1
+
+
+def exact_pressure(inner_stretch: float) -> float:
+    """Closed form for neo-Hooke: mu/2 [4/l + 1/l^4] between the outer and the inner stretch."""
+    outer_stretch = (1.0 + (INNER / OUTER) ** 3 * (inner_stretch**3 - 1.0)) ** (1.0 / 3.0)
+    a, b = inner_stretch, outer_stretch
+    return 0.5 * MU * ((4.0 / b + b**-4) - (4.0 / a + a**-4))
+
+
+@pytest.fixture(scope="module")
+def sphere(strip) -> SolidMesh:
+    """Meridian of the upper half: a strip bent round, its bottom the equator and its top the axis."""
+    flat = strip(INNER, OUTER, 1.0, 2, 8)
+    radius, angle = flat.points[:, 0], 0.5 * np.pi * flat.points[:, 1]
+    points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+    points[np.abs(points) < 1e-12] = 0.0
+    return dataclasses.replace(flat, points=points)
+
+
+@pytest.fixture(scope="module")
+def half_sphere(sphere: SolidMesh, sides, make_problem):
+    def make(law) -> SimpleNamespace:
+        problem = make_problem(sphere, law, cavity=sides.cavity, held=((sides.bottom, 1), (sides.top, 0)))
+        return SimpleNamespace(problem=problem, factor=Factor(problem))
+
+    return make
+
+
+def test_pressure_follows_the_closed_form_past_the_limit_point(half_sphere) -> None:
+    case = half_sphere(NeoHooke(MU))
+    problem = case.problem
+    problem.set_state(problem.zero_state())
+    rest = problem.cavity_volume()
+    limit = minimize_scalar(lambda l: -exact_pressure(l), bounds=(1.1, 3.0), method="bounded").x
+    stretches = np.linspace(1.0, 2.2, 25)[1:]
+    for stretch in stretches:
+        report = solve_equilibrium(problem, case.factor, NewtonSettings(), volume_mm3=rest * stretch**3)
+        # eight curved cells from equator to pole, two through the wall: measured 2e-5 at most
+        assert float(problem.pressure.value) == pytest.approx(exact_pressure(stretch), rel=1e-4)
+        # stable under pressure control below the limit, one unstable mode above
+        assert report.excess_negatives == (0 if stretch < limit else 1), stretch
+    assert stretches[0] < limit < stretches[-1]
+
+
+def test_pressure_beyond_the_limit_point_is_not_reached_and_said_so(half_sphere) -> None:
+    case = half_sphere(NeoHooke(MU))
+    limit = -minimize_scalar(lambda l: -exact_pressure(l), bounds=(1.1, 3.0), method="bounded").fun
+    settings = PathSettings(first_step=0.02, largest_step=0.1, largest_volume=10.0)
+    path = follow_path(case.problem, case.factor, [0.9 * limit, 1.02 * limit], settings)
+    assert not path.reached
+    assert path.reason
+    assert [p.state.load_mpa for p in path.states if p.asked] == [0.9 * limit]
+    # the steps of the volume went through the limit point, and no state is above it
+    assert max(p.state.load_mpa for p in path.states) < limit * 1.0001  # discretisation, as above
+    assert path.states[-1].newton.excess_negatives == 1
+
+
+@pytest.mark.parametrize("law", [DRAGON_SKIN_10, dragon_skin_30("2mu/alpha^2")], ids=["yeoh", "ogden"])
+def test_the_papers_silicones_have_no_limit_point_on_a_sphere(half_sphere, law) -> None:
+    case = half_sphere(law)
+    case.problem.set_state(case.problem.zero_state())
+    rest = case.problem.cavity_volume()
+    pressures = []
+    for stretch in np.linspace(1.0, 2.2, 13)[1:]:
+        report = solve_equilibrium(
+            case.problem, case.factor, NewtonSettings(), volume_mm3=rest * stretch**3
+        )
+        pressures.append(float(case.problem.pressure.value))
+        assert report.excess_negatives == 0
+    assert (np.diff(pressures) > 0.0).all()

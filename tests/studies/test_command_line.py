@@ -1,0 +1,186 @@
+"""The command line as other programs drive it: exit codes, files, restart, nothing written on bad input."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from studies.__main__ import main
+from studies.results import PATH_COLUMNS, read_path, read_summary
+from studies.rows import COLUMNS, read_rows
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="session")
+def small_scene(tmp_path_factory):
+    """One convolution, two pressures: seconds."""
+    text = (ROOT / "scenes" / "smoke-t2-ri5.toml").read_text(encoding="utf-8")
+    text = text.replace("convolutions = 2", "convolutions = 1").replace("smoke-t2-ri5", "small")
+    path = tmp_path_factory.mktemp("scenes") / "small.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="session")
+def solved(small_scene, tmp_path_factory):
+    """The small scene solved in full 3D."""
+    out = tmp_path_factory.mktemp("solved") / "out"
+    result = CliRunner().invoke(main, ["solve", str(small_scene), "--out", str(out), "--rung", "full3d"])
+    assert result.exit_code == 0, result.output
+    return out
+
+
+def test_solve_writes_path_and_summary(solved):
+    assert (solved / "path.csv").read_text().splitlines()[0] == ",".join(PATH_COLUMNS)
+    path = read_path(solved)
+    assert [row.pressure_kpa for row in path if row.status == "asked"] == pytest.approx([5.0, 10.0])
+    summary = json.loads((solved / "summary.json").read_text())
+    assert summary["status"] == "reached"
+    assert {"reason", "plan", "dofs", "cells", "time_s", "versions", "blas", "ranks", "peak_mb"} <= set(summary)
+    assert all(row.unstable_modes == 0 for row in path)
+
+
+def test_rows_state_uncertainty_beside_every_fem_value(solved):
+    rows = read_rows(solved / "rows.csv")
+    assert (solved / "rows.csv").read_text().splitlines()[0] == ",".join(COLUMNS)
+    for row in rows:
+        if row.quantity == "tip_mm" and row.rung in ("axisymmetric", "full3d"):
+            assert row.uncertainty >= 0.0
+    finest = {r.pressure_kpa: r for r in rows if r.rung == "axisymmetric" and r.quantity == "tip_mm"}
+    for row in rows:
+        if row.rung == "full3d" and row.quantity == "tip_mm":
+            # 1 %: the bar of the comparison of the two models
+            assert row.value == pytest.approx(finest[row.pressure_kpa].value, rel=0.01)
+
+
+def test_fields_open_and_carry_the_stretch(solved):
+    import pyvista
+
+    files = sorted((solved / "full3d-n12" / "fields").glob("*.vtu"))
+    assert [f.name for f in files] == ["p05.000.vtu", "p10.000.vtu"]
+    grid = pyvista.read(files[-1])
+    assert grid.point_data["stretch_max"].max() > 1.1
+    assert abs(grid.point_data["displacement_mm"]).max() > 1.0
+
+
+def test_finished_work_is_not_repeated(small_scene, solved):
+    before = {p: p.stat().st_mtime_ns for p in solved.glob("*-*/summary.json")}
+    result = CliRunner().invoke(main, ["solve", str(small_scene), "--out", str(solved), "--rung", "full3d"])
+    assert result.exit_code == 0
+    assert before == {p: p.stat().st_mtime_ns for p in solved.glob("*-*/summary.json")}
+
+
+def test_interrupted_run_goes_on_to_the_same_answer(small_scene, solved, tmp_path):
+    import shutil
+
+    copy = tmp_path / "interrupted"
+    shutil.copytree(solved, copy)
+    run = copy / "full3d-n12"
+    expected = read_path(run)[-1]
+    # as after a kill between the two states: no summary, no path, a truncated second state
+    (run / "summary.json").unlink()
+    (run / "path.csv").unlink()
+    second = run / "states" / "p0010.0000.npz"
+    second.write_bytes(second.read_bytes()[:1000])
+    result = CliRunner().invoke(main, ["solve", str(small_scene), "--out", str(copy), "--rung", "full3d"])
+    assert result.exit_code == 0, result.output
+    found = read_path(run)
+    assert len(found) == 2
+    # Newton's tolerance is 1e-8 of the load; the path to the state is another
+    assert found[-1].tip_mm == pytest.approx(expected.tip_mm, rel=1e-8)
+    assert read_summary(run).factorisations < 2 * len(found)
+
+
+def test_default_plan_stops_refining_when_the_tolerance_is_met(small_scene, tmp_path):
+    out = tmp_path / "out"
+    result = CliRunner().invoke(main, ["solve", str(small_scene), "--out", str(out)])
+    assert result.exit_code == 0, result.output
+    assert (out / "axisymmetric-r2").is_dir()
+    assert not (out / "axisymmetric-r4").exists()
+    assert read_summary(out).rung == "axisymmetric"
+
+
+def test_plan_says_what_is_skipped(small_scene):
+    result = CliRunner().invoke(main, ["plan", str(small_scene)])
+    assert result.exit_code == 0
+    assert "rotationally symmetric" in result.output
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("wall_mm = 2.0", "wall_mm = 0.0", "geometry.wall_mm = 0.0"),
+        ("fillet_mm = 0.5", "filet_mm = 0.5", "did you mean fillet_mm"),
+        ('bond = "adhesive"', 'bond = "glue"', "rings.bond = 'glue'"),
+        ("seat_mm = 4.0", "seat_mm = 8.0", "collar_mm = 3"),
+        ("alpha = 5.836", "alpha = inf", "material.alpha = inf"),
+    ],
+)
+@pytest.mark.parametrize("command", ["solve", "batch"])
+def test_bad_input_exits_2_and_writes_nothing(small_scene, tmp_path, command, old, new, said):
+    text = small_scene.read_text()
+    assert old in text
+    bad = tmp_path / "bad.toml"
+    bad.write_text(text.replace(old, new), encoding="utf-8")
+    out = tmp_path / "out"
+    result = CliRunner().invoke(main, [command, str(bad), "--out", str(out)])
+    assert result.exit_code == 2
+    assert said in result.output
+    assert not out.exists()
+
+
+def test_missing_scene_and_unwritable_output_exit_2(small_scene, tmp_path):
+    result = CliRunner().invoke(main, ["solve", str(tmp_path / "none.toml"), "--out", str(tmp_path / "out")])
+    assert result.exit_code == 2
+    assert "none.toml" in result.output
+    blocker = tmp_path / "file"
+    blocker.write_text("x")
+    result = CliRunner().invoke(main, ["solve", str(small_scene), "--out", str(blocker / "out")])
+    assert result.exit_code == 2
+    assert "file" in result.output
+
+
+def test_closed_form_writes_the_same_files(small_scene, tmp_path):
+    out = tmp_path / "out"
+    result = CliRunner().invoke(main, ["solve", str(small_scene), "--out", str(out), "--rung", "closed_form"])
+    assert result.exit_code == 0, result.output
+    assert [row.pressure_kpa for row in read_path(out)] == [5.0, 10.0]
+
+
+def test_stopped_run_exits_3_and_keeps_its_states(small_scene, tmp_path):
+    """A pressure beyond what the wall holds: the reached part is kept, the rest is a row that says why."""
+    text = small_scene.read_text().replace("[5.0, 10.0]", "[5.0, 700.0]")
+    scene = tmp_path / "burst.toml"
+    scene.write_text(text, encoding="utf-8")
+    out = tmp_path / "out"
+    result = CliRunner().invoke(main, ["solve", str(scene), "--out", str(out)])
+    assert result.exit_code == 3
+    last = [r for r in read_rows(out / "rows.csv") if r.rung == "axisymmetric" and r.pressure_kpa == 700.0]
+    assert last
+    assert all(r.status.startswith("stopped at") and r.value != r.value for r in last)
+    assert read_summary(out).status == "stopped"
+    assert read_summary(out).reason
+
+
+def test_batch_shares_scenes_over_ranks(small_scene, tmp_path):
+    second = tmp_path / "second.toml"
+    second.write_text(small_scene.read_text().replace('name = "small"', 'name = "second"'), encoding="utf-8")
+    out = tmp_path / "out"
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
+    if os.geteuid() == 0:
+        environment |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    command = ["mpirun", "-n", "2", sys.executable, "-m", "studies", "batch", str(small_scene), str(second)]
+    done = subprocess.run(
+        [*command, "--out", str(out)], cwd=ROOT, env=environment, capture_output=True, text=True, timeout=280
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    small, other = read_path(out / "small"), read_path(out / "second")
+    # the same problem solved by another process of the same build: equal to the last digits written
+    assert [r.tip_mm for r in small] == pytest.approx([r.tip_mm for r in other], rel=1e-10)

@@ -1,0 +1,93 @@
+"""Scenes: the shipped ones are accepted, wrong ones are refused with key, value and what is allowed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studies.scene import SceneError, bond_grade, inverse_kappa, law_of, load_scene, shape_of
+
+ROOT = Path(__file__).resolve().parents[2]
+REFERENCE = (ROOT / "scenes" / "heung-t2-ri5.toml").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def changed(tmp_path):
+    """Path of the reference scene with one text replaced."""
+
+    def make(old: str, new: str) -> Path:
+        assert old in REFERENCE
+        path = tmp_path / "scene.toml"
+        path.write_text(REFERENCE.replace(old, new), encoding="utf-8")
+        return path
+
+    return make
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "scenes").glob("*.toml")), ids=lambda p: p.stem)
+def test_shipped_scenes_are_accepted(path):
+    scene = load_scene(path)
+    assert scene.name == path.stem
+    assert len(shape_of(scene).crest_positions_mm) == scene.geometry.convolutions + 1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("wall_mm = 2.0", "wal_mm = 2.0", ["geometry.wal_mm = 2.0", "did you mean wall_mm"]),
+        ("wall_mm = 2.0", "wall_mm = -2.0", ["geometry.wall_mm = -2.0", "greater than 0 mm"]),
+        ("wall_mm = 2.0", "wall_mm = 4.0", ["half_pitch_mm = 5", "7 mm"]),
+        ("wall_mm = 2.0", "wall_m = 0.002", ["geometry.wall_m = 0.002", "wall_mm"]),
+        ("crest_radius_mm = 10.5", "crest_radius_mm = 4.0", ["crest_radius_mm = 4", "root_radius_mm = 5"]),
+        ("collar_mm = 3.0", "collar_mm = 1.0", ["collar_mm = 1", "2.5 mm"]),
+        ('model = "rigid"', 'model = "soft"', ["rings.model = 'soft'", "'rigid'", "'meshed'"]),
+        ("bond_grading_mm = 1.0", "bond_grading_mm = 3.0", ["rings.bond_grading_mm = 3", "seat_mm = 4"]),
+        ("[5.0, 10.0, 15.0, 20.0]", "[5.0, 5.0]", ["pressure_kpa = [5.0, 5.0]", "ascend"]),
+        ("[5.0, 10.0, 15.0, 20.0]", "[-5.0]", ["load.pressure_kpa.0 = -5.0", "greater than 0"]),
+        ("[5.0, 10.0, 15.0, 20.0]", "[20000.0]", ["20000", "units (kPa)"]),
+        ('convention = "2mu/alpha^2"', "", ["material.convention", "missing"]),
+        ('law = "ogden"', 'law = "hooke"', ["material.law = 'hooke'", "'yeoh'", "'ogden'"]),
+        ("mu_kpa = 75.449", "mu_kpa = nan", ["material.mu_kpa = nan", "finite"]),
+        ("alpha = 5.836", "alpha = 0.0", ["material", "alpha"]),
+        ("convolutions = 8 ", "convolutions = 8.5 ", ["geometry.convolutions = 8.5"]),
+        ("[material]", "[materiel]", ["materiel", "did you mean material"]),
+        ("tolerance_percent = 1.0", "tolerance_percent = ", ["not a TOML file"]),
+    ],
+)
+def test_wrong_scenes_are_refused(changed, old, new, said):
+    with pytest.raises(SceneError) as refusal:
+        load_scene(changed(old, new))
+    for words in said:
+        assert words in str(refusal.value)
+
+
+def test_softening_yeoh_set_is_refused(changed):
+    material = REFERENCE[REFERENCE.index("law = ") : REFERENCE.index("[load]")]
+    path = changed(material, 'law = "yeoh"\nc_kpa = [36.0, -3.0, 0.1]\n\n')
+    with pytest.raises(SceneError, match="material"):
+        load_scene(path)
+
+
+def test_all_faults_are_reported_at_once(changed, tmp_path):
+    path = changed("wall_mm = 2.0", "wal_mm = 2.0")
+    path.write_text(path.read_text().replace("alpha = 5.836", "alpha = 'x'"), encoding="utf-8")
+    with pytest.raises(SceneError) as refusal:
+        load_scene(path)
+    assert "wal_mm" in str(refusal.value)
+    assert "alpha" in str(refusal.value)
+
+
+def test_units_of_the_law():
+    scene = load_scene(ROOT / "scenes" / "heung-t2-ri5.toml")
+    # equation (3) of the paper: mu is the initial shear modulus, 75.449 kPa
+    assert law_of(scene.material).initial_shear_modulus_mpa == pytest.approx(0.075449, rel=1e-12)
+    assert inverse_kappa(scene.material) == 0.0
+
+
+def test_bond_is_full_in_the_middle_of_a_seat_and_zero_at_its_edge():
+    scene = load_scene(ROOT / "scenes" / "heung-t2-ri5.toml")
+    middle = shape_of(scene).crest_positions_mm[3]
+    grade = bond_grade(scene, middle + np.array([-2.5, -2.0, -1.5, 0.0, 1.0, 2.0]))
+    assert grade == pytest.approx([0.0, 0.0, 0.5, 1.0, 1.0, 0.0])
