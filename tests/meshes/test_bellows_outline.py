@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,7 +25,7 @@ SHAPES = (
     BellowsShape(7.0, 8.5, 0.6, 6.5, 3, 4.0, 2.0, 0.4, 2.0),  # shallow, flat sides
 )
 every_shape = pytest.mark.parametrize("shape", SHAPES, ids=["t1", "t2", "shallow"])
-GOOD = dict(
+GOOD: dict[str, Any] = dict(
     root_radius_mm=5.0,
     crest_radius_mm=10.5,
     wall_mm=1.0,
@@ -98,9 +99,7 @@ def test_radii_and_positions_are_those_of_the_shape(shape: BellowsShape) -> None
         z = shape.collar_mm + (2 * k + 1) * shape.half_pitch_mm
         assert middle == pytest.approx([shape.root_radius_mm, z], abs=1e-11)
     last = ends(pieces[-1])[0][1]
-    assert last == pytest.approx(
-        [shape.crest_radius_mm, shape.cavity_length_mm - shape.fillet_mm], abs=1e-11
-    )
+    assert last == pytest.approx([shape.crest_radius_mm, shape.cavity_length_mm - shape.fillet_mm], abs=1e-11)
 
 
 @every_shape

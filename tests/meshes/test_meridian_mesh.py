@@ -60,8 +60,7 @@ def volumes(mesh: SolidMesh) -> np.ndarray:
 def test_volume_tends_to_that_of_pappus_with_order_four(shape: BellowsShape) -> None:
     exact = exact_volumes(shape)
     errors = [
-        np.abs(volumes(meridian_mesh(shape, default_resolution(shape, factor))) / exact - 1.0)
-        for factor in (1, 2, 4)
+        np.abs(volumes(meridian_mesh(shape, default_resolution(shape, factor))) / exact - 1.0) for factor in (1, 2, 4)
     ]
     # arcs of at most 30 degrees as parabolas
     assert errors[0].max() < 1e-4

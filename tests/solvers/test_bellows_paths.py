@@ -51,11 +51,10 @@ def test_work_of_the_pressure_is_the_stored_energy(bellows_problem, inflated) ->
         p, v = np.array(pressures[::stride]), volumes[::stride]
         work = float((0.5 * (p[1:] + p[:-1]) * np.diff(v)).sum())
         errors.append(abs(work / energy - 1.0))
-    # the trapezoidal rule's error falls 4 times per halving; asked 3.5
+    # the trapezoidal rule's error falls 4 times per halving; asked 3.5, measured 3.87 and 3.97
     assert errors[0] / errors[1] > 3.5, errors
     assert errors[1] / errors[2] > 3.5, errors
-    # and 32 steps are enough for one per mille
-    assert errors[2] < 1e-3
+    assert errors[2] < 1e-4  # measured 2.1e-5 with 32 steps
 
 
 def test_one_step_and_many_steps_reach_the_same_state(bellows_problem, inflated) -> None:
@@ -79,7 +78,7 @@ def test_overloading_and_unloading_come_back(bellows_problem, inflated) -> None:
         report = solve_equilibrium(case.problem, case.factor, PATIENT, pressure_mpa=pressure)
     # 1e-11 of a load of a thousandth of the shear modulus: 1e-9 mm would show any permanent set
     assert np.abs(case.problem.get_state().displacement_mm).max() < 1e-9
-    assert case.problem.energy() < 1e-15
+    assert case.problem.energy() < 1e-13  # round-off of 0.036 MPa (I1 - 3) over 1600 mm3
     assert report.excess_negatives == 0
 
 
@@ -125,14 +124,12 @@ def test_small_asked_pressure_is_not_jumped_over(bellows_problem, asked: list[fl
     assert path.reached
 
 
-def test_warm_start_in_3d_agrees_with_the_axisymmetric_path(
-    bellows_problem, inflated, inflated_solid
-) -> None:
+def test_warm_start_in_3d_agrees_with_the_axisymmetric_path(bellows_problem, inflated, inflated_solid) -> None:
     flat = [p for p in inflated().states if p.asked]
     for round_, point in zip(inflated_solid().states, flat, strict=True):
-        # eight cells round: measured 0.2 % of volume, 0.1 % of energy
+        # eight cells round: measured 0.2 % of volume, 0.3 % of energy, 0.6 % of the rings' way
         assert round_.volume_mm3 == pytest.approx(point.volume_mm3, rel=5e-3)
-        assert round_.energy_mj == pytest.approx(point.energy_mj, rel=2e-2)
+        assert round_.energy_mj == pytest.approx(point.energy_mj, rel=1e-2)
         # the mesh has mirror planes: nothing tilts, turns or drifts but for round-off through Newton
         bodies = round_.state.bodies_mm
         assert np.abs(bodies[:, [0, 1, 3, 4, 5]]).max() < 1e-6
@@ -155,9 +152,7 @@ def test_nan_stops_newton_in_its_first_iteration(bellows_problem, inflated, fiel
     assert case.factor.count == before
 
 
-def test_path_recovers_from_a_step_that_went_to_nan(
-    bellows_problem, inflated, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_path_recovers_from_a_step_that_went_to_nan(bellows_problem, inflated, monkeypatch: pytest.MonkeyPatch) -> None:
     case = bellows_problem(2)
     calls = []
 
@@ -178,9 +173,7 @@ def test_path_recovers_from_a_step_that_went_to_nan(
     assert_same_state(path.states[-1].state, at_pressure(inflated, 0.010), 1e-8)
 
 
-def test_path_that_gives_up_leaves_the_last_good_state(
-    bellows_problem, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_path_that_gives_up_leaves_the_last_good_state(bellows_problem, monkeypatch: pytest.MonkeyPatch) -> None:
     case = bellows_problem(2)
     calls = []
 

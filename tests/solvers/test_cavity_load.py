@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -52,9 +54,7 @@ def test_potential_is_the_traction_on_a_clamped_bellows(bellows_problem, dimensi
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_potential_is_the_traction_at_equilibrium(
-    bellows_problem, inflated, inflated_solid, dimension: int
-) -> None:
+def test_potential_is_the_traction_at_equilibrium(bellows_problem, inflated, inflated_solid, dimension: int) -> None:
     problem = bellows_problem(dimension).problem
     path = (inflated if dimension == 2 else inflated_solid)()
     problem.set_state(path.states[-1].state)
@@ -74,7 +74,7 @@ def test_potential_is_not_the_traction_on_a_free_edged_patch(strip, sides, make_
     mesh = revolve(strip(5.0, 6.0, 2.0, 1, 1), 8)
     problem = make_problem(mesh, DRAGON_SKIN_10, cavity=sides.cavity, clamped=sides.bottom)
     shake(problem, mesh, 5)
-    # a term along the edge: large, of the size of the loads of the facets beside it
+    # a term along the edge, of the size of the loads of the facets beside it: measured 0.5
     assert worst_difference(problem) > 1e-2
 
 
@@ -84,8 +84,8 @@ def exact_cavity_volume(shape: BellowsShape) -> float:
     at, weights = 0.5 * (x + 1.0), 0.5 * w
     h = 1e-5
     total = 0.0
-    bands = [piece.band for piece in wall_segments(shape)]
-    bands += [lambda s: corner_band(shape, s), lambda s: cap_band(shape, s)]
+    bands: list[Callable] = [piece.band for piece in wall_segments(shape)]
+    bands += [functools.partial(corner_band, shape), functools.partial(cap_band, shape)]
     for band in bands:
         inside = band(at)[0]
         slope = (band(at + h)[0][:, 1] - band(at - h)[0][:, 1]) / (2.0 * h)
@@ -95,10 +95,10 @@ def exact_cavity_volume(shape: BellowsShape) -> float:
 
 def test_cavity_volume_is_that_of_the_outline(bellows_problem, one_convolution: BellowsShape) -> None:
     exact = exact_cavity_volume(one_convolution)
-    for dimension, tolerance in ((2, 2e-4), (3, 2e-3)):
+    for dimension, tolerance in ((2, 2e-5), (3, 1.5e-3)):
         problem = bellows_problem(dimension).problem
         problem.set_state(problem.zero_state())
-        # arcs of 46 degrees on the meridian, of 45 round it, as parabolas
+        # arcs of 30 to 45 degrees on the meridian and of 45 round it, as parabolas: measured 7e-6 and 8e-4
         assert problem.cavity_volume() == pytest.approx(exact, rel=tolerance)
 
 
@@ -163,5 +163,5 @@ def test_reaction_in_3d_is_the_pressure_on_the_meshs_inlet(
         lift[problem.u_dofs[:, 2]] = 1.0
         area = traction_load(problem) @ lift
         # the closed surface less the inlet: the inlet's area, eight parabolas round: 8e-4 short
-        assert area == pytest.approx(math.pi * one_convolution.crest_radius_mm**2, rel=2e-3)
+        assert area == pytest.approx(math.pi * one_convolution.crest_radius_mm**2, rel=1e-3)
         assert point.reaction_n == pytest.approx(-point.state.load_mpa * area, rel=1e-9)  # Newton's residual

@@ -42,18 +42,14 @@ def test_value_at_equal_and_nearly_equal_stretches(alpha: float) -> None:
         for l in (0.5, 1.0, 1.7, 2.9):
             x = np.array([l, l * (1.0 + d), 1.0 / (l * l * (1.0 + d))]) ** 2
             direct = (x ** (0.5 * alpha)).sum()
-            assert by_form(alpha, x.sum(), (1.0 / x).sum())[0, 0] == pytest.approx(
-                direct, rel=TOLERANCES[alpha][0]
-            )
+            assert by_form(alpha, x.sum(), (1.0 / x).sum())[0, 0] == pytest.approx(direct, rel=TOLERANCES[alpha][0])
 
 
 @every_alpha
 def test_first_derivatives_are_those_of_the_power_sum(alpha: float) -> None:
     x = squares()
     # x^3 - I1 x^2 + I2 x - 1 = 0 gives dx/dI1 = x^2 / prod(x - x_j), dx/dI2 = -x / prod(x - x_j)
-    gaps = np.stack(
-        [np.prod([x[:, i] - x[:, j] for j in range(3) if j != i], axis=0) for i in range(3)], axis=1
-    )
+    gaps = np.stack([np.prod([x[:, i] - x[:, j] for j in range(3) if j != i], axis=0) for i in range(3)], axis=1)
     apart = np.abs(gaps).min(axis=1) > 0.1  # the exact formula cancels where two are equal
     slope = 0.5 * alpha * x ** (0.5 * alpha - 1.0)
     direct = np.stack([(slope * x**2 / gaps).sum(axis=1), (-slope * x / gaps).sum(axis=1)])[:, apart]

@@ -80,9 +80,7 @@ def test_the_papers_silicones_have_no_limit_point_on_a_sphere(half_sphere, law) 
     rest = case.problem.cavity_volume()
     pressures = []
     for stretch in np.linspace(1.0, 2.2, 13)[1:]:
-        report = solve_equilibrium(
-            case.problem, case.factor, NewtonSettings(), volume_mm3=rest * stretch**3
-        )
+        report = solve_equilibrium(case.problem, case.factor, NewtonSettings(), volume_mm3=rest * stretch**3)
         pressures.append(float(case.problem.pressure.value))
         assert report.excess_negatives == 0
     assert (np.diff(pressures) > 0.0).all()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -121,7 +122,7 @@ def dense(matrix) -> np.ndarray:
     return out
 
 
-CASES = {
+CASES: dict[str, dict[str, Any]] = {
     "yeoh": dict(law=DRAGON_SKIN_10),
     "ogden, 2mu/alpha^2": dict(law=OGDEN),
     "ogden, mu/alpha": dict(law=dragon_skin_30("mu/alpha")),
@@ -176,9 +177,7 @@ def test_block_of_a_turned_body_is_the_second_derivative_of_the_bond_energy(body
 def test_tangent_on_a_meridian_is_the_difference_of_residuals(strip, sides, make_problem, law: Law) -> None:
     mesh = strip(2.0, 3.5, 2.0, 2, 2, 0.1)
     bodies = RigidBodies(0.5, 0.2, np.ones(len(mesh.points)), np.array([1.0]), ARM_MM)
-    problem = make_problem(
-        mesh, law, 0.1, bodies=bodies, cavity=sides.cavity, clamped=sides.bottom, bond=sides.outer
-    )
+    problem = make_problem(mesh, law, 0.1, bodies=bodies, cavity=sides.cavity, clamped=sides.bottom, bond=sides.outer)
     disturb(problem, 5)
     matrix = tangent(problem)
     dofs, moves = direction(problem, 6)

@@ -133,22 +133,27 @@ def test_orders_of_the_tube_in_3d_settle_on_finer_meshes(round_tube, rms_errors)
 
 
 @every_law
-def test_energy_volume_and_end_force_of_the_tube(flat_tube, sides, name: str) -> None:
-    mesh, problem = flat_tube(8, LAWS[name])
-    solve_from_exact(mesh, problem, name)
+def test_energy_volume_and_end_force_converge_with_order_four(flat_tube, name: str) -> None:
     bore, height = STRETCH[name] * TUBE.inner_radius_mm, 2.0
-    # energy errors go like the square of the strain's: eight cells through the wall, measured 3e-8
-    assert problem.energy() == pytest.approx(height * stored_energy_n(TUBE, LAWS[name], bore), rel=1e-6)
-    assert problem.cavity_volume() == pytest.approx(np.pi * bore**2 * height, rel=1e-6)
-    force, _ = problem.internal_force()
-    top = np.unique(mesh.facets[mesh.facet_tags == sides.top])
-    on_top = np.isin(problem.domain.input_node, top) | (
-        mesh.points[problem.domain.input_node, 1] > height - 1e-9
+    exact = np.array(
+        [
+            height * stored_energy_n(TUBE, LAWS[name], bore),
+            height * np.pi * bore**2,
+            axial_force_n(TUBE, LAWS[name], bore),
+        ]
     )
-    # a reaction, as accurate as the energy
-    assert force[problem.u_dofs[on_top, 1]].sum() == pytest.approx(
-        axial_force_n(TUBE, LAWS[name], bore), rel=1e-5
-    )
+    errors = []
+    for n in (4, 8, 16):
+        mesh, problem = flat_tube(n, LAWS[name])
+        solve_from_exact(mesh, problem, name)
+        force, _ = problem.internal_force()
+        # the wall's mean axial force: its work in a uniform axial strain, over the height
+        pull = force[problem.u_dofs[:, 1]] @ mesh.points[problem.domain.input_node, 1] / height
+        errors.append(np.abs(np.array([problem.energy(), problem.cavity_volume(), pull]) / exact - 1.0))
+    orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+    # integrals of a solution with errors h^2 in strain and pressure: h^4; measured 4.07 to 4.29
+    assert orders.min() >= 3.5, orders
+    assert errors[-1].max() < 1e-6  # measured 4e-7
 
 
 @every_law
@@ -176,8 +181,8 @@ def test_compressible_tube_tends_to_the_incompressible_one_like_one_over_kappa(f
         inside = mesh.points[:, 0] == TUBE.inner_radius_mm
         bores.append(problem.get_state().displacement_mm[inside, 0].mean())
     gaps = np.array(bores[:-1]) - bores[-1]
-    # 10 per decade; at kappa/mu = 100 the next term, of a few mu/kappa, shows
-    assert gaps[:-1] / gaps[1:] == pytest.approx(10.0, rel=0.05)
+    # 10 per decade; from kappa/mu = 100 to 1000 the next term shows: measured 9.96 and 9.98
+    assert gaps[:-1] / gaps[1:] == pytest.approx(10.0, rel=0.01)
     assert abs(gaps[0]) < 0.05 * bores[-1]
     # no stiffening of the equations on the way
     assert max(iterations) - min(iterations) <= 1, iterations

@@ -1,0 +1,80 @@
+"""Run under mpirun by test_ranks.py: a small bellows in 3D on as many ranks as there are; prints one JSON line."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+
+import numpy as np
+from mpi4py import MPI
+
+from analytical.materials import DRAGON_SKIN_10
+from meshes.bellows import BellowsShape
+from meshes.meridian import Resolution, meridian_mesh
+from meshes.revolve import revolve, revolve_vector
+from meshes.solid import FACETS, SolidMesh
+from solvers.domain import create_domain
+from solvers.linear import Factor
+from solvers.newton import NewtonSettings
+from solvers.path import PathSettings, follow_guesses, follow_path
+from solvers.problem import Problem, State, Surfaces
+from solvers.rigid import RigidBodies
+
+SHAPE = BellowsShape(5.0, 10.5, 1.0, 5.0, 1, 3.0, 4.0, 0.5, 5.0)
+SETTINGS = PathSettings(newton=NewtonSettings(relative_tolerance=1e-11))
+
+
+def solver(comm: MPI.Comm, mesh: SolidMesh | None) -> tuple[Problem, Factor]:
+    arrays = None if mesh is None else dataclasses.replace(mesh, regions=np.ones_like(mesh.regions))
+    domain = create_domain(comm, arrays)
+    bodies = RigidBodies(5.0, 2.0, np.ones(domain.nodes), SHAPE.crest_positions_mm, SHAPE.seat_radius_mm)
+    held = ((FACETS["axis"], 0),) if domain.axisymmetric else ()
+    surfaces = Surfaces(FACETS["cavity"], FACETS["clamped"], FACETS["bond"], held)
+    problem = Problem(domain, DRAGON_SKIN_10, 0.0, surfaces, None, bodies)
+    return problem, Factor(problem)
+
+
+def main() -> None:
+    comm = MPI.COMM_WORLD
+    meridian = meridian_mesh(SHAPE, Resolution(through=2, cell_mm=1.5, arc_rad=0.8, cap_cells=2))
+    body = revolve(meridian, 8)
+    guess = None
+    if comm.rank == 0:
+        path = follow_path(*solver(MPI.COMM_SELF, meridian), [0.005], SETTINGS)
+        flat = path.states[-1].state
+        motions = np.zeros((2, 6))
+        motions[:, 2] = flat.bodies_mm[:, 0]
+        u = revolve_vector(flat.displacement_mm, body)
+        guess = State(u, flat.pressure_mpa[body.meridian_node], motions, flat.load_mpa)
+    guess = comm.bcast(guess)
+    problem, factor = solver(comm, body if comm.rank == 0 else None)
+    path = follow_guesses(problem, factor, [guess], SETTINGS)
+    # a state handed from rank to rank and back is the same state
+    problem.set_state(path.states[-1].state)
+    force, on_bodies = problem.internal_force()
+    volume = problem.cavity_volume()
+    if comm.rank == 0:
+        point = path.states[-1]
+        rim = np.unique(body.facets[body.facet_tags == FACETS["tip"]])
+        print(
+            json.dumps(
+                {
+                    "ranks": comm.size,
+                    "reached": path.reached,
+                    "tip_mm": point.state.displacement_mm[rim, 2].mean(),
+                    "volume_mm3": point.volume_mm3,
+                    "volume_again_mm3": volume,
+                    "energy_mj": point.energy_mj,
+                    "reaction_n": point.reaction_n,
+                    "body_mm": point.state.bodies_mm[1, 2],
+                    "min_det_f": point.newton.min_det_f,
+                    "iterations": point.newton.iterations,
+                    "excess_negatives": point.newton.excess_negatives,
+                    "expected_negatives": problem.expected_negatives,
+                }
+            )
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,46 @@
+"""One and two MPI ranks give the same answer and the same stability count."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCRIPT = Path(__file__).with_name("ranks_script.py")
+
+
+def run(root: Path, ranks: int) -> dict:
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
+    environment |= {
+        "OPENBLAS_NUM_THREADS": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+        "OMPI_MCA_rmaps_base_oversubscribe": "1",
+        "OMPI_MCA_hwloc_base_binding_policy": "none",
+        "PYTHONPATH": str(root),
+    }
+    command = ["mpirun", "-n", str(ranks), sys.executable, str(SCRIPT)]
+    done = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True, timeout=280, check=False)
+    assert done.returncode == 0, done.stderr[-2000:]
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+@pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun")
+def test_one_and_two_ranks_agree(root: Path) -> None:
+    one, two = run(root, 1), run(root, 2)
+    assert (one["ranks"], two["ranks"]) == (1, 2)
+    assert one["reached"] and two["reached"]
+    for name in ("tip_mm", "volume_mm3", "energy_mj", "reaction_n", "body_mm", "min_det_f"):
+        # Newton to 1e-11; sums in another order
+        assert two[name] == pytest.approx(one[name], rel=1e-9), name
+    for name in ("iterations", "excess_negatives", "expected_negatives"):
+        assert two[name] == one[name], name
+    assert one["excess_negatives"] == 0
+    for answer in (one, two):
+        # gathered, scattered and assembled again: the order of sums only
+        assert answer["volume_again_mm3"] == pytest.approx(answer["volume_mm3"], rel=1e-13)

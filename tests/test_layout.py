@@ -1,0 +1,92 @@
+"""Who may know whom: the arrows between the four packages, read from the source."""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGES = ("analytical", "meshes", "solvers", "studies")
+FINITE_ELEMENTS = {"dolfinx", "ufl", "basix", "ffcx", "petsc4py", "mpi4py", "slepc4py"}
+MODULES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
+
+
+def imports(path: Path) -> set[str]:
+    """Full names of everything a file imports anywhere, ``from a import b`` as ``a.b``; relative ones resolved."""
+    found = set()
+    here = path.relative_to(ROOT).with_suffix("").parts
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = ".".join(here[: len(here) - node.level]) if node.level else ""
+            module = ".".join(part for part in (base, node.module) if part)
+            found |= {f"{module}.{alias.name}" for alias in node.names}
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("import_module", "__import__")):
+            assert node.args and isinstance(node.args[0], ast.Constant), f"{path}: import of a computed name"
+            found.add(str(node.args[0].value))
+    return found
+
+
+def tops(names: set[str]) -> set[str]:
+    return {name.split(".")[0] for name in names}
+
+
+def of_package(package: str) -> list[Path]:
+    files = [path for path in MODULES if path.relative_to(ROOT).parts[0] == package]
+    assert files, package
+    return files
+
+
+def label(path: Path) -> str:
+    return str(path.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("path", of_package("analytical"), ids=label)
+def test_analytical_needs_numpy_and_scipy_only(path: Path) -> None:
+    allowed = {"numpy", "scipy", "analytical"} | set(sys.stdlib_module_names)
+    assert tops(imports(path)) <= allowed
+
+
+@pytest.mark.parametrize("path", of_package("meshes"), ids=label)
+def test_meshes_know_shapes_and_never_physics(path: Path) -> None:
+    used = tops(imports(path))
+    assert not used & (set(PACKAGES) - {"meshes"})
+    assert not used & FINITE_ELEMENTS
+
+
+@pytest.mark.parametrize("path", of_package("solvers"), ids=label)
+def test_solvers_know_the_material_laws_and_never_a_bellows(path: Path) -> None:
+    names = imports(path)
+    assert not tops(names) & {"meshes", "studies", "gmsh"}
+    foreign = {name for name in names if name.split(".")[0] == "analytical"}
+    assert all(name.startswith("analytical.materials") for name in foreign), foreign
+
+
+@pytest.mark.parametrize("path", of_package("solvers") + of_package("studies"), ids=label)
+def test_versions_of_dolfinx_are_handled_in_one_file(path: Path) -> None:
+    names = imports(path)
+    # the C++ layer changes with every version
+    if path.name != "compat.py":
+        assert not any(name.startswith("dolfinx.cpp") for name in names)
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_each_package_says_what_it_is(package: str) -> None:
+    tree = ast.parse((ROOT / package / "__init__.py").read_text(encoding="utf-8"))
+    assert ast.get_docstring(tree)
+
+
+@pytest.mark.parametrize("path", MODULES, ids=label)
+def test_no_module_names_a_package_registry(path: Path) -> None:
+    registries = r"pypi|pythonhosted|anaconda|conda-forge|npmjs|crates\.io|proxy\.golang|deb\.debian|rubygems"
+    assert not re.findall(rf"https?://\S*(?:{registries})\S*", path.read_text(encoding="utf-8"))
+
+
+def test_names_of_test_modules_are_unique() -> None:
+    names = [path.name for path in (ROOT / "tests").rglob("test_*.py")]
+    assert len(names) == len(set(names))
