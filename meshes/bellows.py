@@ -184,11 +184,15 @@ def check_shape(shape: BellowsShape) -> None:
     GeometryError
         Naming the value and the violated inequality.
     """
-    positive = ("root_radius_mm", "wall_mm", "half_pitch_mm", "collar_mm", "fillet_mm", "cap_mm")
+    positive = ("root_radius_mm", "crest_radius_mm", "wall_mm", "half_pitch_mm", "collar_mm", "fillet_mm", "cap_mm")
     for name in positive:
         value = getattr(shape, name)
         if not (math.isfinite(value) and value > 0.0):
             raise GeometryError(f"{name} = {value}: must be a finite length > 0 mm")
+    if not (math.isfinite(shape.seat_mm) and shape.seat_mm >= 0.0):
+        raise GeometryError(f"seat_mm = {shape.seat_mm}: must be a finite length >= 0 mm (0: no seats)")
+    if shape.convolutions < 1:
+        raise GeometryError(f"convolutions = {shape.convolutions}: must be at least 1")
     if shape.crest_radius_mm <= shape.root_radius_mm:
         raise GeometryError(
             f"crest_radius_mm = {shape.crest_radius_mm:g} must exceed root_radius_mm = {shape.root_radius_mm:g}"

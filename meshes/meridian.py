@@ -284,6 +284,7 @@ def _refuse_folded(points: FloatArray, cells: IntArray) -> None:
     if signed[worst].min() <= 0.0:
         r, z = points[cells[worst]].mean(axis=0)
         raise GeometryError(
-            f"cell {worst} at r = {r:.3g}, z = {z:.3g} mm folds over itself: the wall is too thick for its "
-            "curvature; take a larger fillet_mm or a thinner wall_mm"
+            f"cell {worst} at r = {r:.3g}, z = {z:.3g} mm folds over itself: in the wall, it is too thick for its "
+            "curvature (take a larger fillet_mm or a thinner wall_mm); in the cap, the fillet is too large for it "
+            "(take a smaller fillet_mm or a thicker cap_mm)"
         )

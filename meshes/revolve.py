@@ -12,6 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from meshes.errors import GeometryError
+from meshes.quality import jacobians
 from meshes.solid import FACETS, TETRAHEDRON_EDGES, TRIANGLE_EDGES, FloatArray, IntArray, SolidMesh
 
 # Corners of the three tetrahedra of a prism: (meridian corner in ascending order, 0 = this side, 1 = that).
@@ -63,7 +64,7 @@ def revolve(meridian: SolidMesh, around: int) -> SolidMesh:
     that_side = 2 * layer + 2 * ((layer + 1) % 2)
 
     order = np.sort(meridian.cells[:, :3], axis=1)
-    cells, regions = [], []
+    cells, regions, layers = [], [], []
     for corners in _PRISM_TETS:
         m = np.stack([np.repeat(order[:, k], around) for k, _ in corners], axis=1)
         h = np.stack([np.tile(that_side if s else this_side, len(order)) for _, s in corners], axis=1)
@@ -73,6 +74,7 @@ def revolve(meridian: SolidMesh, around: int) -> SolidMesh:
         solid = (ordered[:, 1:] != ordered[:, :-1]).all(axis=1)  # on the axis corners of a prism coincide
         cells.append(np.hstack([corner_nodes, mids])[solid])
         regions.append(np.repeat(meridian.regions, around)[solid])
+        layers.append(np.tile(layer, len(order))[solid])
 
     facets, tags, bodies = _sweep_facets(meridian, node, this_side, that_side)
     lattice_cells = np.vstack(cells)
@@ -81,6 +83,7 @@ def revolve(meridian: SolidMesh, around: int) -> SolidMesh:
     angle = h_used * (np.pi / around)
     r, z = meridian.points[m_used].T
     points = np.column_stack([r * np.cos(angle), r * np.sin(angle), z])
+    _refuse_folded(points, back.reshape(lattice_cells.shape)[np.concatenate(layers) < 2], around)
     tip = int(np.searchsorted(used, meridian.tip_centre_node * steps))
     return SolidMesh(
         points=points,
@@ -93,6 +96,19 @@ def revolve(meridian: SolidMesh, around: int) -> SolidMesh:
         meridian_node=m_used,
         angle_rad=angle,
     )
+
+
+def _refuse_folded(points: FloatArray, cells: IntArray, around: int) -> None:
+    """Refuse folded cells; two neighbouring layers stand for all."""
+    signed = jacobians(points, cells)
+    signed = signed * np.sign(signed.mean(axis=1, keepdims=True))
+    if signed.min() <= 0.0:
+        worst = cells[int(np.argmin(signed.min(axis=1)))]
+        x, y, z = points[worst].mean(axis=0)
+        raise GeometryError(
+            f"{around} cells round the circumference are too few for this meridian: a cell at r = "
+            f"{float(np.hypot(x, y)):.3g}, z = {z:.3g} mm folds over itself; take more"
+        )
 
 
 def _edge_table(meridian: SolidMesh) -> Callable[[IntArray, IntArray], IntArray]:

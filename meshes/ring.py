@@ -17,6 +17,8 @@ import numpy as np
 from meshes.errors import GeometryError, MeshError
 from meshes.solid import FloatArray, IntArray
 
+TIME_LIMIT_S = 120.0  # a ring section takes well under a second
+
 
 @dataclass(frozen=True)
 class RingShape:
@@ -68,15 +70,18 @@ def ring_triangles(ring: RingShape, seat_z: FloatArray, seat_radius_mm: float) -
     request = {**asdict(ring), "seat_z": list(map(float, seat_z)), "seat_radius_mm": seat_radius_mm}
     # A child of an MPI rank must not believe that it is one.
     clean = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
-    done = subprocess.run(
-        [sys.executable, "-m", "meshes.ring"],
-        input=json.dumps(request),
-        capture_output=True,
-        text=True,
-        timeout=120,
-        env=clean,
-        check=False,
-    )
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", "meshes.ring"],
+            input=json.dumps(request),
+            capture_output=True,
+            text=True,
+            timeout=TIME_LIMIT_S,
+            env=clean,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        raise MeshError(f"gmsh has not meshed the ring section within {TIME_LIMIT_S:g} s") from None
     if done.returncode != 0:
         raise MeshError(f"gmsh could not mesh the ring section (exit {done.returncode}): {done.stderr[-400:]}")
     answer = json.loads(done.stdout.splitlines()[-1])

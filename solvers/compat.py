@@ -32,6 +32,16 @@ def make_mesh(comm: MPI.Comm, cells: NDArray[np.int64], points: NDArray[np.float
     return dmesh.create_mesh(comm, cells, points, domain, dmesh.GhostMode.none, partitioner)
 
 
+def align_counters() -> None:
+    """Let the numbers of UFL's constants and coefficients all have the same count of digits.
+
+    UFL orders operands by text, so a form whose constants straddle 9 and 10 would get another signature, and another
+    compilation, than the same form made later in the process.
+    """
+    for kind in (ufl.constant.Constant, ufl.Coefficient):
+        kind._globalcount = max(100_000, -(-kind._globalcount // 1000) * 1000)
+
+
 def geometry_dofs(mesh: dmesh.Mesh) -> NDArray[np.int32]:
     """Geometry nodes of the owned cells, shape (cells, nodes per cell)."""
     count = mesh.topology.index_map(mesh.topology.dim).size_local

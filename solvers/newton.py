@@ -26,6 +26,9 @@ class NewtonSettings:
     ----------
     relative_tolerance
         On the force residual relative to the pressure load, and on the volume residual relative to the body.
+    stalled_tolerance, still
+        A residual below the first also counts as zero when the last increment was below the second times the
+        displacement: the internal forces of a stiff ring cancel only to round-off.
     max_iterations
         Newton iterations before the step is given up.
     reuse_below
@@ -37,6 +40,8 @@ class NewtonSettings:
     """
 
     relative_tolerance: float = 1e-8
+    stalled_tolerance: float = 1e-6
+    still: float = 1e-10
     max_iterations: int = 14
     reuse_below: float = 0.1
     max_cuts: int = 6
@@ -101,7 +106,7 @@ def solve_equilibrium(
     before = factor.count
     if pressure_mpa is not None:
         problem.pressure.value = pressure_mpa
-    error = np.inf
+    error = moved = np.inf
     reuse = False
     factor_stale = True
     for iteration in range(settings.max_iterations + 1):
@@ -110,7 +115,8 @@ def solve_equilibrium(
             raise StepFailed(f"the residual is not finite in iteration {iteration}")
         if on_iteration is not None:
             on_iteration(iteration, new_error)
-        if new_error <= settings.relative_tolerance:
+        stalled = new_error <= settings.stalled_tolerance and moved <= settings.still
+        if new_error <= settings.relative_tolerance or stalled:
             det_f = _check_state(problem)
             if factor_stale:  # the stability count is that of the converged state
                 factor.refresh()
@@ -129,7 +135,7 @@ def solve_equilibrium(
             compliance = _dot(problem, gradient, toward)
             pressure_step = (missing - _dot(problem, gradient, step)) / compliance
             step, body_step = step + toward * pressure_step, body_step + body_toward * pressure_step
-        _advance(problem, settings, step, body_step, pressure_step)
+        moved = _advance(problem, settings, step, body_step, pressure_step)
     raise AssertionError("unreachable")
 
 
@@ -165,8 +171,8 @@ def _residual(problem: Problem, volume_mm3: float | None) -> tuple[FloatArray, F
 
 def _advance(
     problem: Problem, settings: NewtonSettings, step: FloatArray, body_step: FloatArray, pressure_step: float
-) -> None:
-    """Add the increment, halved until no cell comes near inversion."""
+) -> float:
+    """Add the increment, halved until no cell comes near inversion; returns its size relative to the displacement."""
     array = problem.state.x.array
     start = array.copy()
     pressure = float(problem.pressure.value)
@@ -180,7 +186,12 @@ def _advance(
             if problem.bonded is not None:
                 problem.bonded.update(fraction * body_step)
             problem.pressure.value = pressure + fraction * pressure_step
-            return
+            is_u = ~problem.owned_pressure
+            largest, total = (
+                problem.comm.allreduce(float(np.abs(v[is_u]).max(initial=0.0)), op=MPI.MAX)
+                for v in (step, array[: problem.owned])
+            )
+            return largest / total if total > 0.0 else np.inf
         fraction *= 0.5
     raise StepFailed(
         f"an increment would invert a cell or leave the material's range even at 1/{2**settings.max_cuts} of its "

@@ -177,6 +177,29 @@ def _record(problem: Problem, report: NewtonReport, asked: bool, control: str, s
     )
 
 
+def _solve_at(
+    problem: Problem,
+    factor: Factor,
+    settings: PathSettings,
+    pressure: float,
+    least_volume: float,
+    begin: float,
+    progress: Progress | None,
+) -> tuple[PathState, _Point]:
+    """Solve at an asked pressure from the current guess.
+
+    Raises
+    ------
+    StepFailed
+        Also if the solution lies behind the last state, on another branch.
+    """
+    seen = None if progress is None else (lambda k, e: progress("asked pressure", pressure, k, e))
+    report = solve_equilibrium(problem, factor, settings.newton, pressure_mpa=pressure, on_iteration=seen)
+    if problem.cavity_volume() <= least_volume:
+        raise StepFailed("pressure control fell back to a smaller volume")
+    return _record(problem, report, True, "pressure", begin), _take(problem)
+
+
 def follow_path(
     problem: Problem,
     factor: Factor,
@@ -207,7 +230,7 @@ def follow_path(
     -------
     Path
     """
-    start = time.perf_counter()
+    begin = time.perf_counter()
     problem.set_state(problem.zero_state())
     history = [_take(problem)]
     unit = abs(history[0].volume)
@@ -216,6 +239,17 @@ def follow_path(
     rejected = 0
     targets = list(pressures_mpa)
     reason = ""
+
+    def keep(state: PathState, point: _Point) -> None:
+        """Record a converged state; nearly coincident states would spoil the extrapolation."""
+        while len(history) > 1 and point.volume - history[-1].volume < 0.05 * step:
+            history.pop()
+        history.append(point)
+        del history[:-3]
+        states.append(state)
+        if on_state is not None:
+            on_state(state)
+
     while targets:
         here = history[-1]
         volume = here.volume + step
@@ -224,17 +258,22 @@ def follow_path(
             aim = targets[0]
             volume = _volume_at_pressure(history, here.volume, volume, aim)
         _extrapolate(problem, history, volume)
-        label = "asked pressure" if aim is not None else "volume step"
-        shown = aim if aim is not None else float(problem.pressure.value)
-        seen = None if progress is None else (lambda k, e, a=label, b=shown: progress(a, b, k, e))
+        found: list[tuple[PathState, _Point]] = []
         try:
-            report = (
-                solve_equilibrium(problem, factor, settings.newton, pressure_mpa=aim, on_iteration=seen)
-                if aim is not None
-                else solve_equilibrium(problem, factor, settings.newton, volume_mm3=volume, on_iteration=seen)
-            )
-            if aim is not None and problem.cavity_volume() <= here.volume:
-                raise StepFailed("pressure control fell back to a smaller volume")
+            if aim is not None:
+                found.append(_solve_at(problem, factor, settings, aim, here.volume, begin, progress))
+            else:
+                shown = float(problem.pressure.value)
+                seen = None if progress is None else (lambda k, e, b=shown: progress("volume step", b, k, e))
+                report = solve_equilibrium(problem, factor, settings.newton, volume_mm3=volume, on_iteration=seen)
+                found.append((_record(problem, report, False, "volume", begin), _take(problem)))
+                # The step may have passed asked pressures that were not foreseen: they lie between.
+                passed = [p for p in targets if here.pressure < p <= found[0][1].pressure]
+                around = [*history[-2:], found[0][1]]
+                for pressure in reversed(passed):
+                    low = found[0][1].volume
+                    _extrapolate(problem, around, _volume_at_pressure(around, here.volume, low, pressure))
+                    found.insert(0, _solve_at(problem, factor, settings, pressure, here.volume, begin, progress))
         except StepFailed as failure:
             rejected += 1
             _put(problem, here)
@@ -243,18 +282,18 @@ def follow_path(
                 reason = f"steps became smaller than {settings.smallest_step:g} of the volume: {failure}"
                 break
             continue
-        history.append(_take(problem))
-        del history[:-3]
-        states.append(_record(problem, report, aim is not None, "volume" if aim is None else "pressure", start))
-        if on_state is not None:
-            on_state(states[-1])
-        if aim is not None:
-            targets.pop(0)
-        if report.iterations <= settings.few_iterations:
-            if aim is None:
-                step = min(step * settings.growth, settings.largest_step * unit)
-        elif report.iterations > settings.many_iterations:
+        for state, point in found:
+            keep(state, point)
+            if state.asked:
+                targets.pop(0)
+            if not targets:  # a volume step that went beyond the last asked pressure is not part of the answer
+                break
+        _put(problem, history[-1])
+        iterations = max(state.newton.iterations for state, _ in found)
+        if iterations > settings.many_iterations:
             step *= settings.shrink
+        elif iterations <= settings.few_iterations and aim is None:
+            step = min(step * settings.growth, settings.largest_step * unit)
         if history[-1].volume > settings.largest_volume * unit:
             reason = f"the cavity exceeds {settings.largest_volume:g} times its unloaded volume"
             break
@@ -306,6 +345,7 @@ def follow_guesses(
                 rejected += 1
                 share *= 0.5
                 if share < 1.0 / 32.0:
+                    problem.set_state(last)
                     reason = f"no equilibrium found from the warm start at {1e3 * pressure:g} kPa: {failure}"
                     return Path(tuple(states), False, reason, rejected)
                 continue

@@ -127,6 +127,7 @@ class Problem:
         stiff: StiffSolid | None = None,
         bodies: RigidBodies | None = None,
     ) -> None:
+        compat.align_counters()
         self.domain, self.comm = domain, domain.comm
         self.timer = Timer()
         mesh = domain.mesh

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import os
 import sys
+import traceback
 from pathlib import Path
+from types import TracebackType
 
 import click
 from mpi4py import MPI
@@ -197,5 +199,14 @@ def _report(folder: Path) -> None:
     click.echo(f"report: {page}")
 
 
+def _end_all_ranks(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+    """Report an error nobody expected and end every rank: the others would wait for this one for ever."""
+    traceback.print_exception(kind, error, trace)
+    sys.stderr.flush()
+    MPI.COMM_WORLD.Abort(1)
+
+
 if __name__ == "__main__":
+    if MPI.COMM_WORLD.size > 1:
+        sys.excepthook = _end_all_ranks
     main()

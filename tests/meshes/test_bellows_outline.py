@@ -174,7 +174,6 @@ def test_impossible_shape_is_refused_with_the_violated_inequality(change: dict, 
         check_shape(BellowsShape(**{**GOOD, **change}))
 
 
-@pytest.mark.xfail(strict=True, reason="check_shape does not look at these yet (reported)")
 @pytest.mark.parametrize(
     "change",
     [

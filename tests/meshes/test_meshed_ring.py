@@ -119,7 +119,6 @@ def test_death_of_the_child_process_becomes_an_error(monkeypatch: pytest.MonkeyP
         ring_triangles(RING, SEAT_Z, 11.5)
 
 
-@pytest.mark.xfail(strict=True, reason="TimeoutExpired is not turned into a MeshError yet (reported)")
 def test_gmsh_that_hangs_becomes_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     def hang(command, **options):
         raise subprocess.TimeoutExpired(command, options["timeout"])

@@ -135,7 +135,6 @@ def test_no_cell_is_folded(coarse_meridian: SolidMesh, around: int) -> None:
     assert mesh_quality(mesh).min_jacobian_ratio > 0.1
 
 
-@pytest.mark.xfail(strict=True, reason="revolve does not look for folded tetrahedra yet (reported)")
 def test_cells_folded_by_a_quarter_turn_are_refused(coarse_meridian: SolidMesh) -> None:
     with pytest.raises(GeometryError, match="fold"):
         revolve(coarse_meridian, 4)

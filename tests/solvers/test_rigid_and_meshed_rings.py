@@ -74,7 +74,6 @@ def test_stiffly_bonded_rigid_ring_is_a_meshed_ring(meshed, rigid) -> None:
     assert found == pytest.approx(expected, rel=1e-3)
 
 
-@pytest.mark.xfail(strict=True, reason="1e-8 of a small load is below round-off of PLA's forces (reported)")
 def test_meshed_ring_is_solved_with_the_settings_of_the_house(meshed) -> None:
     path = follow_path(meshed.problem, meshed.factor, [0.005], PathSettings())
     assert path.reached, path.reason
