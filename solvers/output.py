@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from solvers.domain import FloatArray, IntArray, MeshArrays
-from solvers.problem import State
+from solvers.state import State
 
 # Reference positions of the ten (six) nodes in basix order, and VTK's order of the same nodes.
 _EDGES = {2: ((1, 2), (0, 2), (0, 1)), 3: ((2, 3), (1, 3), (1, 2), (0, 3), (0, 2), (0, 1))}

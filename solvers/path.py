@@ -12,7 +12,8 @@ from solvers.domain import FloatArray
 from solvers.errors import StepFailed
 from solvers.linear import Factor
 from solvers.newton import NewtonReport, NewtonSettings, solve_equilibrium
-from solvers.problem import Problem, State
+from solvers.problem import Problem
+from solvers.state import State
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,7 @@ factorisation serves all and its inertia counts them too.
 
 from __future__ import annotations
 
-import time
-from collections import defaultdict
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import basix
@@ -30,6 +26,7 @@ from solvers.forms import build_forms, invariants
 from solvers.kinematics import kinematics
 from solvers.laws import Law, compile_law
 from solvers.rigid import BondedBodies, RigidBodies
+from solvers.state import State, Timer
 
 SOFT, STIFF = 1, 2  # material numbers of cells
 
@@ -58,45 +55,6 @@ class Surfaces:
     clamped: int | None = None
     bond: int | None = None
     held: tuple[tuple[int, int], ...] = ()
-
-
-@dataclass(frozen=True)
-class State:
-    """An equilibrium (or a guess), in the caller's node numbering.
-
-    Attributes
-    ----------
-    displacement_mm
-        Shape (nodes, d).
-    pressure_mpa
-        Pressure field p at corner nodes, zero elsewhere, shape (nodes,).
-    bodies_mm
-        Motions of the rigid bodies, shape (bodies, modes): axial in 2D; x, y, z translation, then rotation
-        about x, y, z times the arm, in 3D.
-    load_mpa
-        Cavity pressure P.
-    """
-
-    displacement_mm: FloatArray
-    pressure_mpa: FloatArray
-    bodies_mm: FloatArray
-    load_mpa: float
-
-
-@dataclass
-class Timer:
-    """Wall seconds by activity."""
-
-    seconds: dict[str, float] = field(default_factory=lambda: defaultdict(float))
-
-    @contextmanager
-    def __call__(self, name: str) -> Iterator[None]:
-        """Add the time spent in the block."""
-        start = time.perf_counter()
-        try:
-            yield
-        finally:
-            self.seconds[name] += time.perf_counter() - start
 
 
 class Problem:

@@ -89,7 +89,7 @@ def code_hash() -> str:
     """Hash of the sources that decide a run's numbers, so that results of other code are not reused."""
     digest = hashlib.sha256()
     files = sorted(p for folder in ("analytical", "meshes", "solvers") for p in (ROOT / folder).glob("*.py"))
-    for path in [*files, ROOT / "studies" / "runs.py", ROOT / "studies" / "scene.py"]:
+    for path in [*files, *(ROOT / "studies" / name for name in ("build.py", "runs.py", "scene.py"))]:
         digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 

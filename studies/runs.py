@@ -10,31 +10,27 @@ import dataclasses
 import hashlib
 import json
 import math
-import os
 import time
-import zipfile
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from mpi4py import MPI
 
 from analytical.bellows import closed_form
-from analytical.materials import SILICONE_DENSITY_G_CM3
-from meshes.meridian import default_resolution, meridian_mesh
-from meshes.quality import mesh_quality, region_volumes_mm3
-from meshes.revolve import revolve, revolve_vector
-from meshes.solid import FACETS, REGIONS, SolidMesh
-from solvers.domain import create_domain
+from meshes.quality import mesh_quality
+from meshes.revolve import revolve
+from meshes.solid import SolidMesh
 from solvers.errors import SolverError
 from solvers.linear import Factor
 from solvers.output import write_vtu
 from solvers.path import Path as EquilibriumPath
 from solvers.path import PathSettings, PathState, follow_guesses, follow_path
-from solvers.problem import SOFT, STIFF, Problem, State, Surfaces
-from solvers.rigid import RigidBodies
+from solvers.problem import Problem
+from solvers.state import State
 from studies import provenance
+from studies.build import Tip, masses_g, revolve_state, scene_meridian, scene_problem
 from studies.progress import Progress
 from studies.results import (
     FIELDS_FOLDER,
@@ -46,19 +42,8 @@ from studies.results import (
     write_summary,
     write_text_atomically,
 )
-from studies.scene import (
-    Scene,
-    bond_grade,
-    bond_stiffness,
-    dimensions_of,
-    inverse_kappa,
-    law_of,
-    ring_material,
-    ring_shape,
-    shape_of,
-)
-
-STATES_FOLDER = "states"
+from studies.scene import Scene, dimensions_of, law_of
+from studies.states import load_state, save_state
 
 
 @dataclass(frozen=True)
@@ -87,111 +72,7 @@ def finished_run(folder: Path, content_hash: str) -> Run | None:
         return None
 
 
-# ---- states on disk ----------------------------------------------------------------------------------------
-
-
-def _state_file(folder: Path, pressure_mpa: float) -> Path:
-    return folder / STATES_FOLDER / f"p{1e3 * pressure_mpa:09.4f}.npz"
-
-
-def save_state(folder: Path, content_hash: str, state: State, row: PathRow) -> None:
-    """Write a state and its row of figures atomically."""
-    path = _state_file(folder, state.load_mpa)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(path.name + ".part")
-    with temporary.open("wb") as stream:
-        np.savez(stream, **asdict(state), row=json.dumps(asdict(row)), content_hash=content_hash)
-        stream.flush()
-        os.fsync(stream.fileno())
-    temporary.replace(path)
-
-
-def load_state(folder: Path, content_hash: str, pressure_mpa: float) -> tuple[State, PathRow] | None:
-    """A saved state, or None if it is missing, damaged or of another content."""
-    try:
-        with np.load(_state_file(folder, pressure_mpa), allow_pickle=False) as data:
-            if str(data["content_hash"]) != content_hash:
-                return None
-            state = State(data["displacement_mm"], data["pressure_mpa"], data["bodies_mm"], float(data["load_mpa"]))
-            return state, PathRow(**json.loads(str(data["row"])))
-    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile):
-        return None
-
-
-# ---- building ----------------------------------------------------------------------------------------------
-
-
-def scene_meridian(scene: Scene, refinement: int) -> SolidMesh:
-    """The meridian mesh of a scene at a refinement."""
-    shape = shape_of(scene)
-    ring = ring_shape(scene) if scene.rings.model == "meshed" else None
-    return meridian_mesh(shape, default_resolution(shape, refinement), ring)
-
-
-def scene_problem(scene: Scene, mesh: SolidMesh | None, comm: MPI.Comm) -> Problem:
-    """The boundary value problem of a scene on a mesh that rank 0 holds; every rank calls."""
-    material_numbers = None
-    if mesh is not None:
-        numbers = np.where(mesh.regions == REGIONS["ring"], STIFF, SOFT)
-        material_numbers = dataclasses.replace(mesh, regions=numbers)
-    domain = create_domain(comm, material_numbers)
-    stiff = ring_material(scene) if scene.rings.model == "meshed" else None
-    bodies = None
-    if scene.rings.model == "rigid":
-        shape = shape_of(scene)
-        axial = comm.bcast(None if mesh is None else mesh.points[:, -1])
-        normal, tangential = bond_stiffness(scene)
-        bodies = RigidBodies(
-            normal, tangential, bond_grade(scene, axial), shape.crest_positions_mm, shape.seat_radius_mm
-        )
-    surfaces = Surfaces(
-        cavity=FACETS["cavity"],
-        clamped=FACETS["clamped"],
-        bond=FACETS["bond"] if bodies is not None else None,
-        held=((FACETS["axis"], 0),) if domain.axisymmetric else (),
-    )
-    law = law_of(scene.material)
-    return Problem(domain, law, inverse_kappa(scene.material), surfaces, stiff, bodies)
-
-
-def revolve_state(scene: Scene, state: State, body: SolidMesh) -> State:
-    """An axisymmetric state as a first guess on the revolved mesh."""
-    bodies = np.zeros((0, 0))
-    if scene.rings.model == "rigid":
-        bodies = np.zeros((len(state.bodies_mm), 6))
-        bodies[:, 2] = state.bodies_mm[:, 0]
-    return State(
-        revolve_vector(state.displacement_mm, body),
-        state.pressure_mpa[body.meridian_node],
-        bodies,
-        state.load_mpa,
-    )
-
-
-class _Tip:
-    """Mean axial displacement of the distal rim, weighted by the rim's undeformed length or area."""
-
-    def __init__(self, mesh: SolidMesh) -> None:
-        facets = mesh.facets[mesh.facet_tags == FACETS["tip"]]
-        ends = mesh.points[facets]
-        if mesh.dimension == 2:
-            # area of the cone between two radii
-            weight = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1) * (ends[:, 0, 0] + ends[:, 1, 0])
-        else:
-            weight = np.linalg.norm(np.cross(ends[:, 1] - ends[:, 0], ends[:, 2] - ends[:, 0]), axis=1)
-        self._facets, self._weight = facets, weight / weight.sum()
-        self._centre = mesh.tip_centre_node
-
-    def mean_mm(self, state: State) -> float:
-        """Mean over the rim."""
-        return float(self._weight @ state.displacement_mm[self._facets, -1].mean(axis=1))
-
-    def centre_mm(self, state: State) -> float:
-        """At the axis."""
-        return float(state.displacement_mm[self._centre, -1])
-
-
-def _path_row(tip: _Tip, item: PathState) -> PathRow:
+def _path_row(tip: Tip, item: PathState) -> PathRow:
     return PathRow(
         pressure_kpa=1e3 * item.state.load_mpa,
         control=item.control,
@@ -211,24 +92,6 @@ def _path_row(tip: _Tip, item: PathState) -> PathRow:
     )
 
 
-def _masses_g(scene: Scene, meridian: SolidMesh) -> tuple[float, float]:
-    """Mass of silicone and rings, g; rings that are not meshed count with their section."""
-    volumes = region_volumes_mm3(meridian)
-    silicone = (volumes["elastomer"] + volumes["cap"]) * 1e-3 * SILICONE_DENSITY_G_CM3
-    ring_mm3 = volumes["ring"]
-    if scene.rings.model == "rigid":
-        r, rings = shape_of(scene).seat_radius_mm, scene.rings
-        section = ((r + rings.height_mm) ** 2 - r**2) * math.pi * rings.seat_mm
-        # a quarter circle of radius q replaces a square at each of the two outer edges
-        q, outer = rings.edge_radius_mm, r + rings.height_mm
-        lost = 2.0 * (1.0 - math.pi / 4.0) * q**2 * 2.0 * math.pi * (outer - 0.2234 * q)
-        ring_mm3 = (section - lost) * (scene.geometry.convolutions + 1)
-    return silicone, ring_mm3 * 1e-3 * ring_material(scene).density_g_cm3
-
-
-# ---- running -----------------------------------------------------------------------------------------------
-
-
 def run_closed_form(scene: Scene, folder: Path, comm: MPI.Comm) -> Run:
     """The closed form at the asked pressures, written like any other run; it costs nothing, so it is not kept.
 
@@ -239,7 +102,7 @@ def run_closed_form(scene: Scene, folder: Path, comm: MPI.Comm) -> Run:
     """
     begin = time.perf_counter()
     answer = closed_form(dimensions_of(scene), law_of(scene.material), np.array(scene.load.pressure_kpa))
-    silicone, rings = _masses_g(scene, scene_meridian(scene, 1))
+    silicone, rings = masses_g(scene, scene_meridian(scene, 1))
     unknown = math.nan
     rows = tuple(
         PathRow(p, "pressure", tip, tip, 0.0, unknown, unknown, unknown, unknown, unknown, unknown, "", 0, 0.0, "asked")
@@ -327,7 +190,7 @@ def _solve_axisymmetric(
     meshed = time.perf_counter() - begin
     problem = scene_problem(scene, mesh, MPI.COMM_SELF)
     factor = Factor(problem)
-    tip = _Tip(mesh)
+    tip = Tip(mesh)
     rows: list[PathRow] = []
 
     def keep(item: PathState) -> None:
@@ -394,7 +257,7 @@ def run_full3d(
     meshed = time.perf_counter() - begin
     problem = scene_problem(scene, body if comm.rank == 0 else None, comm)
     factor = Factor(problem)
-    tip = _Tip(body)
+    tip = Tip(body)
     rows = [row for _, row in found]
 
     def keep(item: PathState) -> None:
@@ -464,7 +327,7 @@ def _finish(  # noqa: PLR0913
         notes = list(plan)
         if quality.boundary_only_cells:
             notes.append(f"warning: {quality.boundary_only_cells} meridian cells have all corners on the boundary")
-        silicone, rings = _masses_g(scene, meridian)
+        silicone, rings = masses_g(scene, meridian)
         summary = RunSummary(
             scene=scene.name,
             rung=rung,

@@ -136,7 +136,7 @@ def render(folder: Path, title: str, introduction: str, scene_folders: Sequence[
         if result.full3d:
             finest = scene_folder / f"full3d-{result.full3d[-1].summary.level}"
             fields = field_files(finest, result.scene.load.pressure_kpa)
-        notes = [*validity_notes(result.scene), *dict.fromkeys(n for run in runs for n in run.summary.plan)]
+        notes = validity_notes(result.scene)
         reports.append(
             SceneReport(
                 name=result.scene.name,

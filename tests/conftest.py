@@ -257,7 +257,7 @@ def inflated_solid(bellows_problem, inflated):
     from meshes.revolve import revolve_vector
     from solvers.newton import NewtonSettings
     from solvers.path import PathSettings, follow_guesses
-    from solvers.problem import State
+    from solvers.state import State
 
     @functools.cache
     def follow(law="yeoh"):

@@ -17,8 +17,9 @@ from solvers.domain import create_domain
 from solvers.linear import Factor
 from solvers.newton import NewtonSettings
 from solvers.path import PathSettings, follow_guesses, follow_path
-from solvers.problem import Problem, State, Surfaces
+from solvers.problem import Problem, Surfaces
 from solvers.rigid import RigidBodies
+from solvers.state import State
 
 SHAPE = BellowsShape(5.0, 10.5, 1.0, 5.0, 1, 3.0, 4.0, 0.5, 5.0)
 SETTINGS = PathSettings(newton=NewtonSettings(relative_tolerance=1e-11))

@@ -14,7 +14,7 @@ from solvers.errors import StepFailed
 from solvers.linear import Factor
 from solvers.newton import NewtonSettings, solve_equilibrium
 from solvers.path import PathSettings, follow_guesses, follow_path
-from solvers.problem import State
+from solvers.state import State
 
 TIGHT = NewtonSettings(relative_tolerance=1e-11)
 PATIENT = NewtonSettings(relative_tolerance=1e-11, max_iterations=40)

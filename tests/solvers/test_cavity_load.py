@@ -14,7 +14,8 @@ from meshes.bellows import BellowsShape, cap_band, corner_band, wall_segments
 from meshes.revolve import revolve
 from meshes.solid import FACETS, SolidMesh
 from solvers import compat
-from solvers.problem import Problem, State
+from solvers.problem import Problem
+from solvers.state import State
 
 
 def traction_load(problem: Problem) -> np.ndarray:

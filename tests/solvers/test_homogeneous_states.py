@@ -11,7 +11,8 @@ from analytical.materials import DRAGON_SKIN_10, Law, NeoHooke, dragon_skin_30
 from meshes.quality import jacobians, region_volumes_mm3
 from meshes.revolve import revolve
 from meshes.solid import TETRAHEDRON_EDGES, SolidMesh
-from solvers.problem import Problem, State
+from solvers.problem import Problem
+from solvers.state import State
 
 LAWS: dict[str, Law] = {
     "neo-hooke": NeoHooke(0.1),

@@ -19,7 +19,8 @@ from meshes.solid import SolidMesh
 from solvers.linear import Factor
 from solvers.newton import NewtonReport, NewtonSettings, solve_equilibrium
 from solvers.path import PathSettings, follow_path
-from solvers.problem import Problem, State
+from solvers.problem import Problem
+from solvers.state import State
 
 TUBE = Tube(4.0, 6.0)
 HEIGHT_MM = 1.0
