@@ -117,6 +117,11 @@ def _solve(scene: Scene, text: str, plan: Plan, forced: bool, out: Path, comm: M
         if comm.rank == 0:
             click.echo(f"{scene.name}: {error}", err=True)
         return STOPPED
+    except OSError as error:  # disk full, folder gone: only the rank that writes knows
+        click.echo(f"{scene.name}: cannot write the results: {error}", err=True)
+        if comm.size > 1:
+            MPI.COMM_WORLD.Abort(STOPPED)
+        return STOPPED
     if comm.rank == 0:
         for entry in result.rows:
             if entry.quantity == "tip_mm":

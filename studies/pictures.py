@@ -11,7 +11,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,12 +28,31 @@ _MARGIN_MM = 1.0
 _COLOURS = "YlOrRd"  # light to dark, safe for the colour-blind; pale where nothing stretches
 _RING_REGION = 3
 _RING_COLOUR = "#b8b8b8"
+_RIGID_COLOUR, _RIGID_EDGE = "#d8d8d8", "#303030"
 _SECTION_OFFSET = 1e-6  # of the body's size: beside the mesh's own faces, where a slice is well defined
 
 # Faces of a tetrahedron with ten nodes in VTK's order: three corners, then the three middles between them.
 _FACES = np.array([[0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [2, 0, 3, 6, 7, 9], [0, 2, 1, 6, 5, 4]])
 # Such a face as four flat triangles.
 _QUARTERS = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
+
+
+@dataclass(frozen=True)
+class RingBox:
+    """A rigid ring that is not in the VTU: a rectangle turned about the axis.
+
+    Attributes
+    ----------
+    centre_mm
+        Where its middle stands along the axis in the state drawn, mm.
+    inner_radius_mm, width_mm, height_mm
+        Radius of its seat, extent along the axis, and extent outwards from the seat, mm.
+    """
+
+    centre_mm: float
+    inner_radius_mm: float
+    width_mm: float
+    height_mm: float
 
 
 @dataclass(frozen=True)
@@ -48,11 +67,14 @@ class Still:
         The body: point fields ``displacement_mm`` and ``stretch_max``, cell field ``region``.
     deformed
         False: in its reference position, where every stretch is 1.
+    rings
+        Rigid rings to draw with it.
     """
 
     label: str
     vtu: Path
     deformed: bool = True
+    rings: tuple[RingBox, ...] = ()
 
 
 def draw_states(path: Path, stills: Sequence[Still]) -> str:
@@ -75,7 +97,10 @@ def draw_states(path: Path, stills: Sequence[Still]) -> str:
     missing = [str(still.vtu) for still in stills if not still.vtu.is_file()]
     if missing:
         return f"no such file: {', '.join(missing)}"
-    jobs = [[still.label, str(still.vtu.resolve()), still.deformed] for still in stills]
+    jobs = [
+        [still.label, str(still.vtu.resolve()), still.deformed, [astuple(ring) for ring in still.rings]]
+        for still in stills
+    ]
     # -c, not -m: finds the package also where the parent found it through sys.path alone.
     code = f"import sys; sys.path[:] = {sys.path!r}; from studies.pictures import _draw_here; _draw_here()"
     try:
@@ -98,17 +123,22 @@ def draw_states(path: Path, stills: Sequence[Still]) -> str:
 def _draw_here() -> None:
     """Draw what standard input asks for; the child's side of `draw_states`."""
     job = json.load(sys.stdin)
-    _draw(Path(job["path"]), [Still(label, Path(vtu), deformed) for label, vtu, deformed in job["stills"]])
+    stills = [
+        Still(label, Path(vtu), deformed, tuple(RingBox(*ring) for ring in rings))
+        for label, vtu, deformed, rings in job["stills"]
+    ]
+    _draw(Path(job["path"]), stills)
 
 
 def _draw(path: Path, stills: Sequence[Still]) -> None:
     os.environ.setdefault("PYVISTA_OFF_SCREEN", "true")
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     bodies = [_body(still) for still in stills]
-    bounds = np.array([body.bounds for body in bodies]).reshape(-1, 3, 2)
+    boxes = [*(body.bounds for body in bodies), *(_bounds(ring) for still in stills for ring in still.rings)]
+    bounds = np.array(boxes).reshape(-1, 3, 2)
     lowest, highest = bounds[:, :, 0].min(axis=0) - _MARGIN_MM, bounds[:, :, 1].max(axis=0) + _MARGIN_MM
     largest = max(float(body["stretch_max"].max()) for body in bodies)
-    images = [_image(body, lowest, highest, largest) for body in bodies]
+    images = [_image(body, still.rings, lowest, highest, largest) for body, still in zip(bodies, stills, strict=True)]
     _compose(path, [still.label for still in stills], images, lowest, highest, largest)
 
 
@@ -140,8 +170,43 @@ def _surface(body: pyvista.UnstructuredGrid, cells: NDArray[np.bool_]) -> pyvist
     return surface
 
 
+def _bounds(ring: RingBox) -> tuple[float, ...]:
+    outer, half = ring.inner_radius_mm + ring.height_mm, 0.5 * ring.width_mm
+    return (-outer, outer, -outer, outer, ring.centre_mm - half, ring.centre_mm + half)
+
+
+def _add_ring(plotter: pyvista.Plotter, ring: RingBox) -> None:
+    """Draw a ring as the body is drawn: without its front lower quarter, the cut and the outline dark-edged."""
+    import pyvista
+
+    outer, half = ring.inner_radius_mm + ring.height_mm, 0.5 * ring.width_mm
+    inner, left, right = ring.inner_radius_mm, ring.centre_mm - half, ring.centre_mm + half
+    radii, places = np.array([inner, outer, outer, inner]), np.array([left, left, right, right])
+    # From the cut at -180 degrees (-x) through the back (-y) and the top (x) to the front (y).
+    angles = np.radians(np.arange(-180.0, 91.0, 2.0))
+    axial = np.broadcast_to(places, (angles.size, 4))
+    corners = np.stack([np.outer(np.cos(angles), radii), np.outer(np.sin(angles), radii), axial], axis=2)
+    first = 4 * np.arange(angles.size - 1)[:, None] + np.arange(4)
+    after = 4 * np.arange(angles.size - 1)[:, None] + (np.arange(4) + 1) % 4
+    sides = np.stack([first, after, after + 4, first + 4], axis=2).reshape(-1, 4)
+    shell = pyvista.PolyData.from_regular_faces(corners.reshape(-1, 3), sides)
+    shell = shell.compute_normals(split_vertices=True, feature_angle=40.0)
+    plotter.add_mesh(shell, color=_RIGID_COLOUR, smooth_shading=True, ambient=0.35, diffuse=1.0)
+    cut = pyvista.PolyData.from_regular_faces(corners[0], np.arange(4)[None])
+    plotter.add_mesh(cut, color=_RIGID_COLOUR, lighting=False)
+    seen = np.array([[0.0, 0.0, left], [outer, 0.0, left], [outer, 0.0, right], [0.0, 0.0, right]])
+    seen[:, 1] = 2.0 * outer  # in front of the ring, whose outline it is
+    for outline in (seen, corners[0]):
+        edges = pyvista.lines_from_points(outline, close=True)
+        plotter.add_mesh(edges, color=_RIGID_EDGE, line_width=2.0, lighting=False)
+
+
 def _image(
-    body: pyvista.UnstructuredGrid, lowest: NDArray[Any], highest: NDArray[Any], largest: float
+    body: pyvista.UnstructuredGrid,
+    rings: Sequence[RingBox],
+    lowest: NDArray[Any],
+    highest: NDArray[Any],
+    largest: float,
 ) -> NDArray[np.uint8]:
     """Half section of a body seen along -y, z to the right and x upwards, its box filling the image."""
     import pyvista
@@ -176,6 +241,8 @@ def _image(
                 boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False
             )
             plotter.add_mesh(outline, color="black", line_width=2.0, lighting=False)
+    for ring in rings:
+        _add_ring(plotter, ring)
     middle = 0.5 * (lowest + highest)
     plotter.camera.focal_point = middle
     plotter.camera.position = middle + np.array([0.0, 10.0 * size.max(), 0.0])

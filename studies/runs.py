@@ -14,6 +14,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -72,6 +73,43 @@ def finished_run(folder: Path, content_hash: str) -> Run | None:
         return None
 
 
+@dataclass(frozen=True)
+class _Job:
+    """What identifies a run while it goes on."""
+
+    scene: Scene
+    rung: str
+    level: str
+    folder: Path
+    content_hash: str
+    notes: tuple[str, ...]
+    progress: Progress
+    begin: float
+
+    @property
+    def label(self) -> str:
+        return f"{self.scene.name} {self.rung} {self.level}"
+
+
+def _begin(scene: Scene, rung: str, level: str, folder: Path, notes: Sequence[str], progress: Progress) -> _Job:
+    provenance.reset_peak_memory()
+    job = _Job(scene, rung, level, folder, run_hash(scene, rung, level), tuple(notes), progress, time.perf_counter())
+    progress.begin(job.label, scene.pressures_mpa[-1])
+    return job
+
+
+def _stamp(comm: MPI.Comm) -> dict[str, Any]:
+    """Provenance fields of a summary."""
+    return {
+        "versions": provenance.versions(),
+        "blas": provenance.blas(),
+        "ranks": comm.size,
+        "threads": provenance.blas_threads(),
+        "commit": provenance.commit(),
+        "when": provenance.now(),
+    }
+
+
 def _path_row(tip: Tip, item: PathState) -> PathRow:
     return PathRow(
         pressure_kpa=1e3 * item.state.load_mpa,
@@ -126,12 +164,7 @@ def run_closed_form(scene: Scene, folder: Path, comm: MPI.Comm) -> Run:
         ring_g=rings,
         time_s={"total": time.perf_counter() - begin},
         peak_mb=provenance.peak_memory_mb(comm),
-        versions=provenance.versions(),
-        blas=provenance.blas(),
-        ranks=comm.size,
-        threads=provenance.blas_threads(),
-        commit=provenance.commit(),
-        when=provenance.now(),
+        **_stamp(comm),
     )
     if comm.rank == 0:
         write_path(folder, rows)
@@ -165,7 +198,7 @@ def run_axisymmetric(scene: Scene, refinement: int, folder: Path, comm: MPI.Comm
         try:
             answer = finished_run(folder, content_hash)
             if answer is None or not _has_states(folder, content_hash, answer):
-                answer = _solve_axisymmetric(scene, refinement, level, folder, content_hash, progress)
+                answer = _solve_axisymmetric(scene, refinement, folder, progress)
         except Exception as error:
             answer = error
     answer = comm.bcast(answer)
@@ -180,15 +213,12 @@ def _has_states(folder: Path, content_hash: str, run: Run) -> bool:
     return all(load_state(folder, content_hash, 1e-3 * p) is not None for p in asked)
 
 
-def _solve_axisymmetric(
-    scene: Scene, refinement: int, level: str, folder: Path, content_hash: str, progress: Progress
-) -> Run:
-    begin = time.perf_counter()
-    provenance.reset_peak_memory()
-    progress.begin(f"{scene.name} axisymmetric {level}", scene.pressures_mpa[-1])
+def _solve_axisymmetric(scene: Scene, refinement: int, folder: Path, progress: Progress) -> Run:
+    job = _begin(scene, "axisymmetric", f"r{refinement}", folder, (), progress)
     mesh = scene_meridian(scene, refinement)
-    meshed = time.perf_counter() - begin
+    meshed = time.perf_counter() - job.begin
     problem = scene_problem(scene, mesh, MPI.COMM_SELF)
+    problem.timer.seconds["mesh"] = meshed
     factor = Factor(problem)
     tip = Tip(mesh)
     rows: list[PathRow] = []
@@ -198,13 +228,10 @@ def _solve_axisymmetric(
         progress.state(item.state.load_mpa)
         if item.asked:
             with problem.timer("output"):
-                save_state(folder, content_hash, item.state, rows[-1])
+                save_state(folder, job.content_hash, item.state, rows[-1])
 
     path = follow_path(problem, factor, scene.pressures_mpa, PathSettings(), progress.iteration, keep)
-    return _finish(
-        scene, "axisymmetric", level, folder, content_hash, problem, factor, path, rows, mesh, mesh, begin, meshed,
-        progress, (),
-    )  # fmt: skip
+    return _finish(job, problem, factor, path, rows, mesh, mesh)
 
 
 def run_full3d(
@@ -232,14 +259,13 @@ def run_full3d(
     Run
     """
     level = f"n{around}"
-    content_hash = run_hash(scene, "full3d", level)
     meridian_hash = run_hash(scene, "axisymmetric", "r1")
-    done = comm.bcast(finished_run(folder, content_hash) if comm.rank == 0 else None)
+    done = comm.bcast(finished_run(folder, run_hash(scene, "full3d", level)) if comm.rank == 0 else None)
     if done is not None:
+        if comm.rank == 0:
+            _add_missing_fields(scene, around, folder, done)
         return done
-    begin = time.perf_counter()
-    provenance.reset_peak_memory()
-    progress.begin(f"{scene.name} full 3D {level}", scene.pressures_mpa[-1])
+    job = _begin(scene, "full3d", level, folder, plan, progress)
 
     # Every rank makes the mesh: it takes a second, and all need it to read and to write states.
     meridian = comm.bcast(scene_meridian(scene, 1) if comm.rank == 0 else None)
@@ -251,11 +277,12 @@ def run_full3d(
         if saved is None:
             break
         guesses.append(revolve_state(scene, saved[0], body))
-        kept = comm.bcast(load_state(folder, content_hash, pressure) if comm.rank == 0 else None)
+        kept = comm.bcast(load_state(folder, job.content_hash, pressure) if comm.rank == 0 else None)
         if kept is not None and len(found) == len(guesses) - 1:
             found.append(kept)
-    meshed = time.perf_counter() - begin
+    meshed = time.perf_counter() - job.begin
     problem = scene_problem(scene, body if comm.rank == 0 else None, comm)
+    problem.timer.seconds["mesh"] = meshed
     factor = Factor(problem)
     tip = Tip(body)
     rows = [row for _, row in found]
@@ -265,7 +292,7 @@ def run_full3d(
         progress.state(item.state.load_mpa)
         if item.asked and comm.rank == 0:
             with problem.timer("output"):
-                save_state(folder, content_hash, item.state, rows[-1])
+                save_state(folder, job.content_hash, item.state, rows[-1])
                 if scene.ask.fields:
                     write_vtu(_field_file(folder, item.state.load_mpa), body, item.state)
 
@@ -273,10 +300,21 @@ def run_full3d(
     path = follow_guesses(problem, factor, guesses[len(found) :], PathSettings(), progress.iteration, keep, start)
     if path.reached and len(guesses) < len(scene.pressures_mpa):
         path = dataclasses.replace(path, reached=False, reason="the axisymmetric path stopped here")
-    return _finish(
-        scene, "full3d", level, folder, content_hash, problem, factor, path, rows, body, meridian, begin, meshed,
-        progress, plan,
-    )  # fmt: skip
+    return _finish(job, problem, factor, path, rows, body, meridian)
+
+
+def _add_missing_fields(scene: Scene, around: int, folder: Path, run: Run) -> None:
+    """Write the fields of a finished run that was made without them."""
+    reached = [row.pressure_kpa for row in run.path if row.status == "asked"]
+    missing = [p for p in reached if not _field_file(folder, 1e-3 * p).exists()]
+    if not scene.ask.fields or not missing:
+        return
+    body = revolve(scene_meridian(scene, 1), around)
+    for pressure in missing:
+        saved = load_state(folder, run.summary.content_hash, 1e-3 * pressure)
+        if saved is not None:
+            write_vtu(_field_file(folder, 1e-3 * pressure), body, saved[0])
+    _write_collection(folder, scene.load.pressure_kpa)
 
 
 def _field_file(folder: Path, pressure_mpa: float) -> Path:
@@ -299,24 +337,17 @@ def _write_collection(folder: Path, pressures_kpa: Sequence[float]) -> None:
     write_text_atomically(folder / "fields.pvd", text)
 
 
-def _finish(  # noqa: PLR0913
-    scene: Scene,
-    rung: str,
-    level: str,
-    folder: Path,
-    content_hash: str,
+def _finish(
+    job: _Job,
     problem: Problem,
     factor: Factor,
     path: EquilibriumPath,
     rows: list[PathRow],
     mesh: SolidMesh,
     meridian: SolidMesh,
-    begin: float,
-    meshed: float,
-    progress: Progress,
-    plan: Sequence[str],
 ) -> Run:
     """Write a run's path and summary on rank 0; the same Run on every rank."""
+    scene = job.scene
     comm = problem.comm
     peak = provenance.peak_memory_mb(comm)
     factor.close()
@@ -324,17 +355,17 @@ def _finish(  # noqa: PLR0913
     summary = None
     if comm.rank == 0:
         quality = mesh_quality(meridian)
-        notes = list(plan)
+        notes = list(job.notes)
         if quality.boundary_only_cells:
             notes.append(f"warning: {quality.boundary_only_cells} meridian cells have all corners on the boundary")
         silicone, rings = masses_g(scene, meridian)
         summary = RunSummary(
             scene=scene.name,
-            rung=rung,
-            level=level,
+            rung=job.rung,
+            level=job.level,
             status="reached" if path.reached else "stopped",
             reason=path.reason,
-            content_hash=content_hash,
+            content_hash=job.content_hash,
             plan=tuple(notes),
             dofs=problem.index_map.size_global + problem.extra,
             cells=len(mesh.cells),
@@ -344,25 +375,19 @@ def _finish(  # noqa: PLR0913
             rejected_steps=path.rejected,
             silicone_g=silicone,
             ring_g=rings,
-            time_s={"mesh": meshed, **seconds, "total": time.perf_counter() - begin},
+            time_s={**seconds, "total": time.perf_counter() - job.begin},
             peak_mb=peak,
-            versions=provenance.versions(),
-            blas=provenance.blas(),
-            ranks=comm.size,
-            threads=provenance.blas_threads(),
-            commit=provenance.commit(),
-            when=provenance.now(),
+            **_stamp(comm),
         )
-        write_path(folder, rows)
-        if scene.ask.fields and rung == "full3d":
-            _write_collection(folder, scene.load.pressure_kpa)
-        write_summary(folder, summary)
+        write_path(job.folder, rows)
+        if scene.ask.fields and job.rung == "full3d":
+            _write_collection(job.folder, scene.load.pressure_kpa)
+        write_summary(job.folder, summary)
     summary = comm.bcast(summary)
     assert summary is not None
     last = rows[-1].pressure_kpa if rows else 0.0
     how = "reached" if path.reached else f"stopped at {last:.2f} kPa: {path.reason}"
-    progress.end(
-        f"{scene.name} {rung} {level}: {how}; {summary.dofs} unknowns, {factor.count} factorisations, "
-        f"{summary.time_s['total']:.1f} s"
+    job.progress.end(
+        f"{job.label}: {how}; {summary.dofs} unknowns, {factor.count} factorisations, {summary.time_s['total']:.1f} s"
     )
     return Run(summary, tuple(rows))
