@@ -152,9 +152,8 @@ def _scene(folder: Path, scene: SceneReport) -> dict[str, Any]:
     elongation, states, times = (f"pictures/{anchor}-{name}.png" for name in ("elongation", "states", "times"))
     draw_elongation(folder / elongation, _curves(scene), scene.pressures_kpa)
     if scene.runs:
-        draw_times(
-            folder / times, [model_label(run.rung, run.level) for run in scene.runs], tables.seconds_of(scene.runs)
-        )
+        labels = [model_label(run.rung, run.level) for run in scene.runs]
+        draw_times(folder / times, labels, tables.seconds_of(scene.runs))
     why_no_states = "no fields were kept"
     if scene.fields:
         why_no_states = draw_states(folder / states, _stills(scene))
@@ -277,10 +276,9 @@ def _instabilities(scene: SceneReport) -> list[str]:
     for key, states in scene.paths.items():
         first = next((state for state in states if state.unstable_modes > 0), None)
         if first:
+            model = model_label(*tables.split_key(key))
             where = f"{first.pressure_kpa:.4g} kPa and {first.tip_mm:.2f} mm"
-            sentences.append(
-                f"{model_label(*tables.split_key(key))}: first state with {first.unstable_modes:.0f} unstable at {where}"
-            )
+            sentences.append(f"{model}: first state with {first.unstable_modes:.0f} unstable at {where}")
     return sentences
 
 
@@ -294,7 +292,7 @@ def _notes(scene: SceneReport) -> list[str]:
     return [*own, *(f"{sentence} ({tables.models_label(runs)})" for sentence, runs in plans.items())]
 
 
-# --- text -----------------------------------------------------------------------------------
+# --- levels and text ------------------------------------------------------------------------
 
 
 def _levels(scenes: Sequence[SceneReport], rung: str) -> list[str]:

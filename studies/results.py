@@ -96,15 +96,29 @@ class RunSummary:
 PATH_COLUMNS = tuple(f.name for f in fields(PathRow))
 
 
-def write_text_atomically(path: Path, text: str) -> None:
-    """Write a file so that it is either the old one or the whole new one."""
-    path.parent.mkdir(parents=True, exist_ok=True)
+def write_atomically(path: Path, content: bytes) -> None:
+    """Write a file so that it is either the old one or the whole new one.
+
+    Raises
+    ------
+    OSError
+        With the path in its message, also when the disk is full.
+    """
     temporary = path.with_name(path.name + ".part")
-    with temporary.open("w", encoding="utf-8") as stream:
-        stream.write(text)
-        stream.flush()
-        os.fsync(stream.fileno())
-    temporary.replace(path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with temporary.open("wb") as stream:
+            stream.write(content)
+            stream.flush()
+            os.fsync(stream.fileno())
+        temporary.replace(path)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from error
+
+
+def write_text_atomically(path: Path, text: str) -> None:
+    """As `write_atomically`, for text."""
+    write_atomically(path, text.encode("utf-8"))
 
 
 def write_path(folder: Path, rows: Iterable[PathRow]) -> None:

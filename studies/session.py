@@ -7,17 +7,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from mpi4py import MPI
 
+from meshes.bellows import FloatArray
 from studies import provenance
 from studies.compare import level_number, scene_rows, validity_notes
+from studies.pictures import RingBox
 from studies.plan import MERIDIAN_LEVELS, Plan
 from studies.progress import Progress
 from studies.report import SceneReport, write_report
 from studies.results import PATH_FILE, SUMMARY_FILE, PathRow, read_path, read_summary
 from studies.rows import Row, write_rows
 from studies.runs import Run, field_files, run_axisymmetric, run_closed_form, run_full3d
-from studies.scene import Scene, load_scene
+from studies.scene import Scene, load_scene, shape_of
+from studies.states import load_state
 
 SCENE_FILE, ROWS_FILE = "scene.toml", "rows.csv"
 
@@ -123,6 +127,28 @@ def read_scene_folder(folder: Path) -> SceneResult:
     return SceneResult(scene, axisymmetric, full3d, tuple(scene_rows(scene, axisymmetric, full3d)))
 
 
+def _ring_boxes(
+    scene: Scene, run: Path, content_hash: str, pressures_kpa: Sequence[float]
+) -> dict[float, tuple[RingBox, ...]]:
+    """Where the rigid rings are at each pressure (kPa; 0 is unloaded), from the kept states."""
+    if scene.rings.model != "rigid":
+        return {}
+    shape = shape_of(scene)
+
+    def boxes(shift_mm: FloatArray) -> tuple[RingBox, ...]:
+        centres = shape.crest_positions_mm + np.asarray(shift_mm)
+        return tuple(
+            RingBox(float(c), shape.seat_radius_mm, scene.rings.seat_mm, scene.rings.height_mm) for c in centres
+        )
+
+    out = {0.0: boxes(np.zeros(1))}
+    for pressure in pressures_kpa:
+        saved = load_state(run, content_hash, 1e-3 * pressure)
+        if saved is not None:
+            out[pressure] = boxes(saved[0].bodies_mm[:, 2])
+    return out
+
+
 def render(folder: Path, title: str, introduction: str, scene_folders: Sequence[Path]) -> Path:
     """Write the report of scene folders into ``folder``; returns the path of report.html."""
     reports = []
@@ -132,10 +158,12 @@ def render(folder: Path, title: str, introduction: str, scene_folders: Sequence[
         runs = [*result.axisymmetric, *result.full3d]
         total += sum(run.summary.time_s["total"] for run in runs)
         paths: dict[str, list[PathRow]] = {f"{run.summary.rung} {run.summary.level}": list(run.path) for run in runs}
-        fields = {}
+        fields: dict[float, Path] = {}
+        rings: dict[float, tuple[RingBox, ...]] = {}
         if result.full3d:
             finest = scene_folder / f"full3d-{result.full3d[-1].summary.level}"
             fields = field_files(finest, result.scene.load.pressure_kpa)
+            rings = _ring_boxes(result.scene, finest, result.full3d[-1].summary.content_hash, list(fields))
         notes = validity_notes(result.scene)
         reports.append(
             SceneReport(
@@ -147,6 +175,7 @@ def render(folder: Path, title: str, introduction: str, scene_folders: Sequence[
                 runs=tuple(run.summary for run in runs),
                 paths=paths,
                 fields=fields,
+                rings=rings,
                 notes=tuple(notes),
             )
         )

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import io
 import json
-import os
 import zipfile
 from dataclasses import asdict
 from pathlib import Path
@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from solvers.state import State
-from studies.results import PathRow
+from studies.results import PathRow, write_atomically
 
 STATES_FOLDER = "states"
 
@@ -22,14 +22,9 @@ def _state_file(folder: Path, pressure_mpa: float) -> Path:
 
 def save_state(folder: Path, content_hash: str, state: State, row: PathRow) -> None:
     """Write a state and its row of figures atomically."""
-    path = _state_file(folder, state.load_mpa)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(path.name + ".part")
-    with temporary.open("wb") as stream:
-        np.savez(stream, **asdict(state), row=json.dumps(asdict(row)), content_hash=content_hash)
-        stream.flush()
-        os.fsync(stream.fileno())
-    temporary.replace(path)
+    buffer = io.BytesIO()
+    np.savez(buffer, **asdict(state), row=json.dumps(asdict(row)), content_hash=content_hash)
+    write_atomically(_state_file(folder, state.load_mpa), buffer.getvalue())
 
 
 def load_state(folder: Path, content_hash: str, pressure_mpa: float) -> tuple[State, PathRow] | None:

@@ -185,3 +185,28 @@ def test_batch_shares_scenes_over_ranks(small_scene, tmp_path):
     small, other = read_path(out / "small"), read_path(out / "second")
     # the same problem solved by another process of the same build: equal to the last digits written
     assert [r.tip_mm for r in small] == pytest.approx([r.tip_mm for r in other], rel=1e-10)
+
+
+def test_fields_asked_for_later_are_written_from_the_kept_states(small_scene, solved, tmp_path):
+    import shutil
+
+    copy = tmp_path / "copy"
+    shutil.copytree(solved, copy)
+    shutil.rmtree(copy / "full3d-n12" / "fields")
+    before = (copy / "full3d-n12" / "summary.json").read_bytes()
+    result = CliRunner().invoke(main, ["solve", str(small_scene), "--out", str(copy), "--rung", "full3d"])
+    assert result.exit_code == 0
+    assert len(list((copy / "full3d-n12" / "fields").glob("*.vtu"))) == 2
+    assert (copy / "full3d-n12" / "summary.json").read_bytes() == before
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_full_disk_is_an_error_with_the_path(tmp_path, monkeypatch):
+    from studies.results import write_text_atomically
+
+    def full(self, *_):
+        return open("/dev/full", "wb", buffering=0)
+
+    monkeypatch.setattr(Path, "open", full)
+    with pytest.raises(OSError, match="summary.json"):
+        write_text_atomically(tmp_path / "summary.json", "x" * 100)

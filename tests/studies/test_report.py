@@ -9,11 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.image import imread as read_png
+from numpy.typing import NDArray
 
-from studies.pictures import Still, draw_states
-from studies.report import SceneReport, headline, verdict, write_report
+from studies.pictures import RingBox, Still, draw_states
+from studies.report import SceneReport, verdict, write_report
 from studies.results import PathRow, RunSummary, read_path
 from studies.rows import Row, read_rows, row
+from studies.tables import headline
 
 PRESSURES = (10.0, 20.0)
 AXISYMMETRIC = {"r1": (50.343, 74.620), "r2": (50.242, 74.485), "r4": (50.222, 74.442)}
@@ -213,6 +216,48 @@ def test_other_quantities_masses_and_times(tmp_path: Path) -> None:
     assert "ring interiors: rigid rings are within the tolerance (axisymmetric r4; full 3D n16)" in text
 
 
+def test_other_quantities_are_written_in_their_own_way(tmp_path: Path) -> None:
+    scene = make_scene()
+
+    def other(quantity: str, unit: str, value: float) -> Row:
+        return row(scene.name, quantity, unit, 20.0, "full3d", value, "n16")
+
+    more = (
+        other("unstable_modes", "1", 12.0),
+        other("min_det_f", "1", 0.88996),
+        other("axisymmetric_full3d_gap_percent", "%", 0.2549),
+        other("unstable_modes", "1", math.nan),
+    )
+    text, _ = report(tmp_path, replace(scene, rows=(*scene.rows, *more[:3])))
+    found = {line["quantity"]: line for line in table(text, "### Other quantities")}
+    assert found["unstable_modes"]["20 kPa"] == "12"
+    assert found["min_det_f"]["20 kPa"] == "0.890"
+    assert found["gap between axisymmetric and full 3D, %"]["20 kPa"] == "0.2549"
+    assert (found["min_det_f"]["compared with"], found["silicone_g, g"]["compared with"]) == ("–", PAPER)
+    text, _ = report(tmp_path, replace(scene, rows=(*scene.rows[:-1], more[3])))  # without the compared mass
+    centre, modes = table(text, "### Other quantities")
+    assert list(centre) == ["quantity", "model", "10 kPa", "20 kPa"]
+    assert modes["20 kPa"] == "–"  # not counted
+
+
+def test_what_computed_rows_are_compared_with_is_not_called_printed(tmp_path: Path) -> None:
+    scene = make_scene()
+    rows = (replace(r, reference=74.657, source="full3d n16") if r.pressure_kpa == 20.0 else r for r in scene.rows)
+    text, _ = report(tmp_path, replace(scene, rows=tuple(rows)))
+    section = text.split("### Elongation by pressure and model")[1].split("### Shape")[0]
+    assert "full3d n16" not in section and "Printed" not in section
+
+
+def test_each_note_is_written_once(tmp_path: Path) -> None:
+    scene = make_scene()
+    text, _ = report(tmp_path, replace(scene, notes=(*scene.notes, *scene.notes, *scene.runs[0].plan)))
+    notes = text.split("### Skipped and noted")[1].split("### Files")[0].split("\n- ")[1:]
+    assert [note.strip() for note in notes] == [
+        "Sector runs were skipped: nobody asked.",
+        "ring interiors: rigid rings are within the tolerance (axisymmetric r4; full 3D n16)",
+    ]
+
+
 def test_a_reference_other_than_the_best_model_is_shown(tmp_path: Path) -> None:
     scene = make_scene()
     peer = row("demo-scene", "tip_mm", "mm", 20.0, "peer_febio", 75.0, reference=70.0, source="its manual")
@@ -269,8 +314,8 @@ def test_a_missing_field_file_leaves_a_line_instead_of_the_picture(tmp_path: Pat
     assert "-states.png" not in text
 
 
-@pytest.mark.slow
-def test_pictures_are_drawn_in_a_child_whose_failure_is_told(tmp_path: Path) -> None:
+def write_body(path: Path) -> None:
+    """Two tetrahedra of ten nodes each, 20 mm long, with the fields of a run."""
     pyvista = pytest.importorskip("pyvista")
     corners = np.array([[0.0, 0.0, 0.0], [5.0, 0.0, 0.0], [-2.0, 4.0, 0.0], [0.0, 0.0, 20.0]])
     corners = np.vstack([corners, corners[[0, 2, 1, 3]] * [1.0, -1.0, 1.0]])  # its mirror image
@@ -285,10 +330,38 @@ def test_pictures_are_drawn_in_a_child_whose_failure_is_told(tmp_path: Path) -> 
     body["displacement_mm"] = 0.1 * body.points
     body["stretch_max"] = 1.0 + 0.01 * body.points[:, 2]
     body.cell_data["region"] = np.array([1, 3])
-    body.save(tmp_path / "body.vtu")
+    body.save(path)
+
+
+@pytest.mark.slow
+def test_pictures_are_drawn_in_a_child_whose_failure_is_told(tmp_path: Path) -> None:
+    write_body(tmp_path / "body.vtu")
     stills = [Still("unloaded", tmp_path / "body.vtu", deformed=False), Still("20 kPa", tmp_path / "body.vtu")]
     assert draw_states(tmp_path / "pictures/body.png", stills) == ""
     assert (tmp_path / "pictures/body.png").stat().st_size > 10_000
     (tmp_path / "broken.vtu").write_text("not a VTU file", encoding="utf-8")
     assert "drawing failed" in draw_states(tmp_path / "no.png", [Still("20 kPa", tmp_path / "broken.vtu")])
     assert not (tmp_path / "no.png").exists()
+
+
+@pytest.mark.slow
+def test_rigid_rings_are_drawn_where_they_are_given(tmp_path: Path) -> None:
+    write_body(tmp_path / "body.vtu")
+    scene = replace(make_scene(), fields={20.0: tmp_path / "body.vtu"})
+    bare, _ = report(tmp_path / "bare", scene)
+    assert "(rigid ones) are not drawn" in bare
+    rings: dict[float, tuple[RingBox, ...]] = {
+        0.0: (RingBox(10.0, 6.0, 4.0, 2.0),),
+        20.0: (RingBox(11.0, 6.0, 4.0, 2.0),),
+    }
+    text, _ = report(tmp_path / "rings", replace(scene, rings=rings))
+    assert "Grey: the rigid rings" in text and "not drawn" not in text
+    picture = "pictures/demo-scene-states.png"
+    grey = [int(is_grey(tmp_path / folder / picture).sum()) for folder in ("bare", "rings")]
+    assert grey[1] > grey[0] + 1000
+
+
+def is_grey(picture: Path) -> NDArray[np.bool_]:
+    """Where a picture has the colour of a cut ring."""
+    colours = np.rint(255.0 * read_png(picture)[:, :, :3])
+    return np.asarray((np.abs(colours - 0xD8) <= 1.0).all(axis=2))
