@@ -59,6 +59,8 @@ class PathState:
         ``pressure`` or ``volume``: which was held in the solve.
     volume_mm3, energy_mj, reaction_n
         Enclosed volume, stored energy, axial support force.
+    bond_slip_mm
+        Root mean square slip of the bond to rigid bodies, weighted with its grade; NaN without bodies.
     newton
         Cost and checks of the solve.
     wall_s
@@ -71,6 +73,7 @@ class PathState:
     volume_mm3: float
     energy_mj: float
     reaction_n: float
+    bond_slip_mm: float
     newton: NewtonReport
     wall_s: float
 
@@ -173,6 +176,7 @@ def _record(problem: Problem, report: NewtonReport, asked: bool, control: str, s
         volume_mm3=problem.cavity_volume(),
         energy_mj=problem.energy(),
         reaction_n=problem.reaction(),
+        bond_slip_mm=float("nan") if problem.bonded is None else problem.bonded.rms_slip_mm(),
         newton=report,
         wall_s=time.perf_counter() - start,
     )

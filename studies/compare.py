@@ -132,14 +132,20 @@ def _rows_at(scene: Scene, pressure: float, axisymmetric: Sequence[Run], full3d:
 
 
 def _checks(scene: Scene, run: Run, pressure: float) -> list[Row]:
-    """Stability count and least det F of a run at a pressure."""
+    """Stability count, least det F, slip of the bond and displacement on the axis of a run at a pressure."""
     for entry in run.path:
         if entry.status == "asked" and math.isclose(entry.pressure_kpa, pressure, rel_tol=1e-9):
             name, level = run.summary.rung, run.summary.level
+            found = {
+                "unstable_modes": ("1", entry.unstable_modes),
+                "min_det_f": ("1", entry.min_det_f),
+                "bond_slip_rms_mm": ("mm", entry.bond_slip_rms_mm),
+                "tip_centre_mm": ("mm", entry.tip_centre_mm),
+            }
             return [
-                row(scene.name, "unstable_modes", "1", pressure, name, float(entry.unstable_modes), level),
-                row(scene.name, "min_det_f", "1", pressure, name, entry.min_det_f, level),
-                row(scene.name, "tip_centre_mm", "mm", pressure, name, entry.tip_centre_mm, level),
+                row(scene.name, quantity, unit, pressure, name, value, level)
+                for quantity, (unit, value) in found.items()
+                if not math.isnan(value)
             ]
     return []
 

@@ -38,6 +38,7 @@ class PathRow:
     newton_iterations: int
     wall_s: float
     status: str
+    bond_slip_rms_mm: float
 
 
 @dataclass(frozen=True)

@@ -127,6 +127,7 @@ def _path_row(tip: Tip, item: PathState) -> PathRow:
         newton_iterations=item.newton.iterations,
         wall_s=item.wall_s,
         status="asked" if item.asked else "step",
+        bond_slip_rms_mm=item.bond_slip_mm,
     )
 
 
@@ -143,8 +144,25 @@ def run_closed_form(scene: Scene, folder: Path, comm: MPI.Comm) -> Run:
     silicone, rings = masses_g(scene, scene_meridian(scene, 1))
     unknown = math.nan
     rows = tuple(
-        PathRow(p, "pressure", tip, tip, 0.0, unknown, unknown, unknown, unknown, unknown, unknown, "", 0, 0.0, "asked")
-        for p, tip in zip(scene.load.pressure_kpa, map(float, answer.elongation_mm), strict=True)
+        PathRow(
+            pressure_kpa=pressure,
+            control="pressure",
+            tip_mm=tip,
+            tip_centre_mm=tip,
+            tip_force_n=0.0,
+            volume_mm3=unknown,
+            energy_mj=unknown,
+            reaction_n=unknown,
+            min_det_f=unknown,
+            min_gap_mm=unknown,
+            unstable_modes=unknown,
+            unstable_by_m="",
+            newton_iterations=0,
+            wall_s=0.0,
+            status="asked",
+            bond_slip_rms_mm=unknown,
+        )
+        for pressure, tip in zip(scene.load.pressure_kpa, map(float, answer.elongation_mm), strict=True)
     )
     summary = RunSummary(
         scene=scene.name,

@@ -55,7 +55,7 @@ def run(scene: str, rung: str, level: str) -> RunSummary:
 
 def state(pressure: float, tip: float, modes: int = 0, asked: bool = True) -> PathRow:
     status = "asked" if asked else "step"
-    return PathRow(pressure, "volume", tip, tip, 0.0, 1.0, 1.0, 1.0, 0.9, math.nan, modes, "", 4, 1.0, status)
+    return PathRow(pressure, "volume", tip, tip, 0.0, 1.0, 1.0, 1.0, 0.9, math.nan, modes, "", 4, 1.0, status, 0.01)
 
 
 def make_scene(name: str = "demo-scene", stop_kpa: float = math.inf) -> SceneReport:
