@@ -100,6 +100,13 @@ batch: check ## run SCENES (default scenes/*.toml) -> results/batch
 report: check ## render the report of results/study again from its rows
 	$(PYTHON) -m studies report results/study
 
+.PHONY: example
+example: ## keep the report of results/study as docs/study; the field files stay out of git
+	rm -rf docs/study
+	mkdir -p docs/study
+	cp -r results/study/report.md results/study/rows.csv results/study/pictures results/study/paths docs/study/
+	sed -i '/\.vtu)$$/d' docs/study/report.md
+
 # --- tidying --------------------------------------------------------------------------------
 .PHONY: clean
 clean: ## remove results and caches, keep .venv
