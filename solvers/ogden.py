@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 
-# Squared stretches on which the fit holds: 0.005 to 80, stretches 0.07 to 8.9. The bellows' valleys reach 3.3.
+# Squared stretches on which the fit holds, that is stretches from 0.07 to 8.9; states beyond are refused.
 FIT_RANGE = (0.005, 80.0)
 POLES = 12  # relative error of x^(-g) below 1e-7 on FIT_RANGE for any g, 1e-8 for Dragon Skin 30
 

@@ -104,14 +104,14 @@ def solve(scene: Path, out: Path, rung: Rung | None) -> None:
     """Solve SCENE; writes path.csv, summary.json and rows.csv into the output folder."""
     ((checked, text),) = _load((scene,))
     _writable(out)
-    sys.exit(_solve(checked, text, make_plan(checked, rung), rung is not None, out, MPI.COMM_WORLD))
+    sys.exit(_solve(checked, text, make_plan(checked, rung), out, MPI.COMM_WORLD))
 
 
-def _solve(scene: Scene, text: str, plan: Plan, forced: bool, out: Path, comm: MPI.Comm) -> int:
+def _solve(scene: Scene, text: str, plan: Plan, out: Path, comm: MPI.Comm) -> int:
     """Run a plan, print its rows; returns the exit code."""
     progress = Progress(comm)
     try:
-        result = session.run_plan(scene, text, plan, forced, out, comm, progress)
+        result = session.run_plan(scene, text, plan, out, comm, progress)
     except (GeometryError, MeshError, SolverError, BellowsError) as error:
         progress.end("")
         if comm.rank == 0:
@@ -153,8 +153,7 @@ def batch(scenes: tuple[Path, ...], out: Path, rung: Rung | None, ranks_per_scen
     mine = world.rank // size
     comm = world.Split(mine, world.rank)
     codes = [
-        _solve(scene, text, make_plan(scene, rung), rung is not None, out / scene.name, comm)
-        for scene, text in checked[mine::groups]
+        _solve(scene, text, make_plan(scene, rung), out / scene.name, comm) for scene, text in checked[mine::groups]
     ]
     code = max(world.allreduce(max(codes, default=0), op=MPI.MAX), 0)
     if world.rank == 0:
@@ -174,7 +173,7 @@ def study(out: Path, smoke: bool) -> None:
     code = 0
     for scene, text in scenes:
         plan = make_plan(scene, "full3d", around)
-        code = max(code, _solve(scene, text, plan, True, out / scene.name, MPI.COMM_WORLD))
+        code = max(code, _solve(scene, text, plan, out / scene.name, MPI.COMM_WORLD))
     if MPI.COMM_WORLD.rank == 0:
         write_text_atomically(out / "scenes.txt", "".join(f"{scene.name}\n" for scene, _ in scenes))
         _report(out)

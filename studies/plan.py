@@ -27,6 +27,8 @@ class Plan:
         Refinements of the axisymmetric runs, coarsest first.
     around_levels
         Numbers of cells round the circumference of the full 3D runs; empty for none.
+    stop_when_met
+        True to leave out the last meridian level if the first two already hold the scene's tolerance.
     skipped
         What is not computed and why, a sentence each.
     """
@@ -34,6 +36,7 @@ class Plan:
     rung: Rung
     meridian_levels: tuple[int, ...]
     around_levels: tuple[int, ...]
+    stop_when_met: bool
     skipped: tuple[str, ...]
 
 
@@ -65,7 +68,7 @@ def make_plan(scene: Scene, rung: Rung | None = None, around: tuple[int, ...] = 
             "is exact for them (force it with --rung full3d)"
         )
     if chosen == "closed_form":
-        return Plan(chosen, (), (), ("finite elements: the closed form was forced",))
+        return Plan(chosen, (), (), False, ("finite elements: the closed form was forced",))
     if scene.rings.model == "rigid":
         skipped.append(
             "interior of the rings: taken as rigid bodies, 3.5 GPa against 0.1 MPa in the wall "
@@ -77,9 +80,9 @@ def make_plan(scene: Scene, rung: Rung | None = None, around: tuple[int, ...] = 
                 f"meridian level r{MERIDIAN_LEVELS[-1]}: solved only if r{MERIDIAN_LEVELS[0]} and "
                 f"r{MERIDIAN_LEVELS[1]} do not hold the tolerance, {scene.ask.tolerance_percent:g} %"
             )
-        return Plan(chosen, MERIDIAN_LEVELS, (), tuple(skipped))
+        return Plan(chosen, MERIDIAN_LEVELS, (), rung is None, tuple(skipped))
     skipped.append("load steps of the full 3D run: each asked pressure starts from the axisymmetric state, revolved")
-    return Plan(chosen, MERIDIAN_LEVELS, around or (AROUND_LEVELS[1],), tuple(skipped))
+    return Plan(chosen, MERIDIAN_LEVELS, around or (AROUND_LEVELS[1],), False, tuple(skipped))
 
 
 def describe(scene: Scene, plan: Plan) -> str:
@@ -88,7 +91,8 @@ def describe(scene: Scene, plan: Plan) -> str:
     pressures = ", ".join(f"{p:g}" for p in scene.load.pressure_kpa)
     lines.append(f"  closed form at {pressures} kPa")
     for level in plan.meridian_levels:
-        lines.append(f"  axisymmetric, meridian level r{level}: path from 0 through {pressures} kPa")
+        maybe = " (only if needed)" if plan.stop_when_met and level == plan.meridian_levels[-1] else ""
+        lines.append(f"  axisymmetric, meridian level r{level}: path from 0 through {pressures} kPa{maybe}")
     for around in plan.around_levels:
         lines.append(f"  full 3D, meridian level r{plan.meridian_levels[0]}, {around} cells round: {pressures} kPa")
     lines += [f"skipped: {reason}" for reason in plan.skipped]

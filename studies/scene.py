@@ -30,7 +30,7 @@ from meshes.bellows import BellowsShape, check_shape
 from meshes.errors import GeometryError
 from meshes.ring import RingShape
 
-# Stretches up to this must be stable for a law to be accepted; the reference actuators reach 3.3.
+# Stretches up to this must be stable for a law to be accepted; the reference actuators stay below it to 20 kPa.
 STABLE_STRETCH = 4.0
 # A bond meant as rigid is a layer this stiff, MPa/mm: its slip under 20 kPa is below 0.01 mm.
 RIGID_BOND_MPA_PER_MM = 300.0
@@ -113,7 +113,7 @@ class Load(_Section):
     @model_validator(mode="after")
     def _ascending(self) -> Load:
         if any(b <= a for a, b in zip(self.pressure_kpa[:-1], self.pressure_kpa[1:], strict=True)):
-            raise ValueError(f"pressure_kpa = {self.pressure_kpa}: must ascend strictly")
+            raise ValueError(f"load.pressure_kpa = {self.pressure_kpa}: must ascend strictly")
         return self
 
 

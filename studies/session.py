@@ -48,7 +48,7 @@ class SceneResult:
 
 
 def run_plan(
-    scene: Scene, scene_text: str, plan: Plan, forced: bool, folder: Path, comm: MPI.Comm, progress: Progress
+    scene: Scene, scene_text: str, plan: Plan, folder: Path, comm: MPI.Comm, progress: Progress
 ) -> SceneResult:
     """Run what a plan says; results of the same content that are already there are used.
 
@@ -56,8 +56,6 @@ def run_plan(
     ----------
     scene, scene_text
         The scene, and its file's text, which is kept beside the results.
-    forced
-        True if all levels are to be run; False stops refining the meridian once the tolerance is met.
     folder
         Where the results go, a folder per run.
 
@@ -71,7 +69,7 @@ def run_plan(
         (folder / SCENE_FILE).write_text(scene_text, encoding="utf-8")
     axisymmetric: list[Run] = []
     for level in plan.meridian_levels:
-        if not forced and len(axisymmetric) == 2 and _within_tolerance(scene, axisymmetric):
+        if plan.stop_when_met and len(axisymmetric) == 2 and _within_tolerance(scene, axisymmetric):
             break
         axisymmetric.append(run_axisymmetric(scene, level, folder / f"axisymmetric-r{level}", comm, progress))
     full3d = [

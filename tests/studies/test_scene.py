@@ -44,7 +44,7 @@ def test_shipped_scenes_are_accepted(path):
         ("collar_mm = 3.0", "collar_mm = 1.0", ["collar_mm = 1", "2.5 mm"]),
         ('model = "rigid"', 'model = "soft"', ["rings.model = 'soft'", "'rigid'", "'meshed'"]),
         ("bond_grading_mm = 1.0", "bond_grading_mm = 3.0", ["rings.bond_grading_mm = 3", "seat_mm = 4"]),
-        ("[5.0, 10.0, 15.0, 20.0]", "[5.0, 5.0]", ["pressure_kpa = [5.0, 5.0]", "ascend"]),
+        ("[5.0, 10.0, 15.0, 20.0]", "[5.0, 5.0]", ["load.pressure_kpa = [5.0, 5.0]", "ascend"]),
         ("[5.0, 10.0, 15.0, 20.0]", "[-5.0]", ["load.pressure_kpa.0 = -5.0", "greater than 0"]),
         ("[5.0, 10.0, 15.0, 20.0]", "[20000.0]", ["20000", "units (kPa)"]),
         ('convention = "2mu/alpha^2"', "", ["material.convention", "missing"]),
