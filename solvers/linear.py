@@ -26,7 +26,6 @@ class Factor:
             self.matrix = problem.new_matrix()
         self.count = 0
         self.negatives = 0
-        self.entries = 0
         self.solver: PETSc.KSP | None = None
 
     def _new_solver(self, workspace: int) -> PETSc.KSP:
@@ -65,16 +64,15 @@ class Factor:
                 self.solver.setOperators(self.matrix)
                 self.solver.getPC().setUp()
                 factor = self.solver.getPC().getFactorMatrix()
-                status = factor.getMumpsInfog(1)
+                status, detail = factor.getMumpsInfog(1), factor.getMumpsInfog(2)
                 if status not in (-8, -9):
                     break
                 self.solver.destroy()
                 self.solver = None
         self.count += 1
         if status < 0:
-            raise StepFailed(f"MUMPS failed with INFOG(1) = {status}, INFOG(2) = {factor.getMumpsInfog(2)}")
+            raise StepFailed(f"MUMPS failed with INFOG(1) = {status}, INFOG(2) = {detail}")
         self.negatives = factor.getMumpsInfog(12)
-        self.entries = factor.getMumpsInfog(29)
 
     @property
     def excess_negatives(self) -> int:

@@ -55,13 +55,13 @@ class NewtonReport:
     Attributes
     ----------
     iterations, factorisations
-        Linear solves' sweeps, and how many of them had a new factor.
+        Newton iterations, and factorisations made (one of them for the stability count).
     residual
         Final relative residual.
     min_det_f
         Smallest det F at quadrature points.
     excess_negatives
-        Negative eigenvalues of the last factored tangent beyond the expected.
+        Negative eigenvalues of the tangent at the converged state beyond the expected.
     """
 
     iterations: int
@@ -107,8 +107,6 @@ def solve_equilibrium(
     if pressure_mpa is not None:
         problem.pressure.value = pressure_mpa
     error = moved = np.inf
-    reuse = False
-    factor_stale = True
     for iteration in range(settings.max_iterations + 1):
         residual, on_bodies, gradient, new_error = _residual(problem, volume_mm3)
         if not np.isfinite(new_error):
@@ -118,8 +116,7 @@ def solve_equilibrium(
         stalled = new_error <= settings.stalled_tolerance and moved <= settings.still
         if new_error <= settings.relative_tolerance or stalled:
             det_f = _check_state(problem)
-            if factor_stale:  # the stability count is that of the converged state
-                factor.refresh()
+            factor.refresh()  # the stability count is that of the converged state
             return NewtonReport(iteration, factor.count - before, new_error, det_f, factor.excess_negatives)
         if new_error > 1e8 or iteration == settings.max_iterations:
             raise StepFailed(f"no convergence: relative residual {new_error:.1e} after {iteration} iterations")

@@ -276,8 +276,8 @@ def follow_path(
                 passed = [p for p in targets if here.pressure < p <= found[0][1].pressure]
                 around = [*history[-2:], found[0][1]]
                 for pressure in reversed(passed):
-                    low = found[0][1].volume
-                    _extrapolate(problem, around, _volume_at_pressure(around, here.volume, low, pressure))
+                    beyond = found[0][1].volume
+                    _extrapolate(problem, around, _volume_at_pressure(around, here.volume, beyond, pressure))
                     found.insert(0, _solve_at(problem, factor, settings, pressure, here.volume, begin, progress))
         except StepFailed as failure:
             rejected += 1

@@ -222,7 +222,7 @@ class Problem:
         """Owned displacement dofs bonded to each body."""
         if self.bonded is None:
             return []
-        # Each body in turn displaced by a unit: its dofs are those the bond then pulls.
+        # The columns say which dofs any body's motion pulls, the bonded cells which body it is.
         pulled = []
         columns = np.any(self.bonded.columns() != 0.0, axis=1) & ~self._is_constrained[: self.owned]
         for cells in self.bonded.cells:

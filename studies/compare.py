@@ -9,6 +9,7 @@ import numpy as np
 
 from analytical import paper
 from analytical.bellows import BellowsError, closed_form, with_seat
+from studies.results import fineness
 from studies.rows import Row, row
 from studies.runs import Run
 from studies.scene import Scene, dimensions_of, law_of
@@ -19,11 +20,6 @@ from studies.uncertainty import UNKNOWN, Convergence, convergence, from_two
 MERIDIAN_ORDER, AROUND_ORDER = 2.0, 4.0
 
 
-def level_number(level: str) -> int:
-    """4 for ``r4``, 16 for ``n16``."""
-    return int(level[1:])
-
-
 def tip_at(run: Run, pressure_kpa: float) -> float:
     """Tip elongation of a run at an asked pressure, mm; NaN if it was not reached."""
     for entry in run.path:
@@ -32,24 +28,14 @@ def tip_at(run: Run, pressure_kpa: float) -> float:
     return math.nan
 
 
-def meridian_convergence(runs: Sequence[Run], pressure_kpa: float) -> Convergence:
-    """Convergence of the tip over the meridian levels that reached a pressure."""
-    found = [(1.0 / level_number(r.summary.level), tip_at(r, pressure_kpa)) for r in runs]
-    return _convergence([f for f in found if not math.isnan(f[1])], MERIDIAN_ORDER)
-
-
-def around_convergence(runs: Sequence[Run], pressure_kpa: float) -> Convergence:
-    """Convergence of the tip over the numbers of cells round that reached a pressure."""
-    found = [(1.0 / level_number(r.summary.level), tip_at(r, pressure_kpa)) for r in runs]
-    return _convergence([f for f in found if not math.isnan(f[1])], AROUND_ORDER)
-
-
-def _convergence(found: list[tuple[float, float]], order: float) -> Convergence:
-    found = sorted(found, reverse=True)[-3:]
+def tip_convergence(runs: Sequence[Run], pressure_kpa: float, nominal_order: float) -> Convergence:
+    """Convergence of the tip over the finest levels (three, or two) that reached a pressure."""
+    found = [(1.0 / fineness(r.summary.level), tip_at(r, pressure_kpa)) for r in runs]
+    found = sorted((f for f in found if not math.isnan(f[1])), reverse=True)[-3:]
     sizes, values = [h for h, _ in found], [v for _, v in found]
     if len(found) == 3:
-        return convergence(sizes, values, order)
-    return from_two(sizes, values, order) if len(found) == 2 else UNKNOWN
+        return convergence(sizes, values, nominal_order)
+    return from_two(sizes, values, nominal_order) if len(found) == 2 else UNKNOWN
 
 
 def scene_rows(scene: Scene, axisymmetric: Sequence[Run], full3d: Sequence[Run]) -> list[Row]:
@@ -81,8 +67,8 @@ def _rows_at(scene: Scene, pressure: float, axisymmetric: Sequence[Run], full3d:
     """All rows of a scene at one pressure, kPa."""
     rows: list[Row] = []
     printed = _printed(scene)
-    meridian = meridian_convergence(axisymmetric, pressure)
-    around = around_convergence(full3d, pressure)
+    meridian = tip_convergence(axisymmetric, pressure, MERIDIAN_ORDER)
+    around = tip_convergence(full3d, pressure, AROUND_ORDER)
     finest_axi = tip_at(axisymmetric[-1], pressure) if axisymmetric else math.nan
     finest_3d = tip_at(full3d[-1], pressure) if full3d else math.nan
     reference, source = math.nan, ""

@@ -18,9 +18,9 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from studies import tables
 from studies.pictures import RingBox, Still, draw_states
 from studies.plots import Curve, draw_elongation, draw_overview, draw_times
-from studies.results import PATH_FILE, PathRow, RunSummary, write_path, write_text_atomically
+from studies.results import PATH_FILE, PathRow, RunSummary, fineness, write_path, write_text_atomically
 from studies.rows import Row, write_rows
-from studies.tables import REACHED, REFERENCES, TIP, anchor_of, fineness, headline, model_label, rung_label
+from studies.tables import REACHED, REFERENCES, TIP, anchor_of, headline, model_label, rung_label
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _PICTURE = re.compile(r'src="(pictures/[^"]+)"')

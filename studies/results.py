@@ -6,6 +6,7 @@ import csv
 import json
 import math
 import os
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -95,6 +96,12 @@ class RunSummary:
 
 
 PATH_COLUMNS = tuple(f.name for f in fields(PathRow))
+
+
+def fineness(level: str) -> int:
+    """Number in a level's name (``r4``: 4, ``n24``: 24); 0 if it has none."""
+    found = re.search(r"\d+", level)
+    return int(found[0]) if found else 0
 
 
 def write_atomically(path: Path, content: bytes) -> None:

@@ -12,12 +12,12 @@ from mpi4py import MPI
 
 from meshes.bellows import FloatArray
 from studies import provenance
-from studies.compare import level_number, scene_rows, validity_notes
+from studies.compare import scene_rows, validity_notes
 from studies.pictures import RingBox
 from studies.plan import MERIDIAN_LEVELS, Plan
 from studies.progress import Progress
 from studies.report import SceneReport, write_report
-from studies.results import PATH_FILE, SUMMARY_FILE, PathRow, read_path, read_summary
+from studies.results import PATH_FILE, SUMMARY_FILE, PathRow, fineness, read_path, read_summary
 from studies.rows import Row, write_rows
 from studies.runs import Run, field_files, run_axisymmetric, run_closed_form, run_full3d
 from studies.scene import Scene, load_scene, shape_of
@@ -119,7 +119,7 @@ def read_scene_folder(folder: Path) -> SceneResult:
     """
     scene = load_scene(folder / SCENE_FILE)
     found = [_read_run(p.parent) for p in sorted(folder.glob(f"*-*/{SUMMARY_FILE}"))]
-    runs = sorted(found, key=lambda r: level_number(r.summary.level))
+    runs = sorted(found, key=lambda r: fineness(r.summary.level))
     axisymmetric = tuple(r for r in runs if r.summary.rung == "axisymmetric")
     full3d = tuple(r for r in runs if r.summary.rung == "full3d")
     return SceneResult(scene, axisymmetric, full3d, tuple(scene_rows(scene, axisymmetric, full3d)))

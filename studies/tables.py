@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from studies.results import PathRow, RunSummary
+from studies.results import PathRow, RunSummary, fineness
 from studies.rows import Row
 
 if TYPE_CHECKING:
@@ -225,12 +225,6 @@ def provenance(scenes: Sequence[SceneReport], stamps: Mapping[str, str]) -> Tabl
 
 
 # --- rows and levels ------------------------------------------------------------------------
-
-
-def fineness(level: str) -> int:
-    """Number in a level's name (``r4``: 4, ``n24``: 24); 0 if it has none."""
-    found = re.search(r"\d+", level)
-    return int(found[0]) if found else 0
 
 
 def headline(scene: SceneReport, rung: str, pressure_kpa: float) -> Row | None:
