@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final, Literal, get_args
+from typing import Final, Literal, Protocol, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -195,6 +195,26 @@ class Ogden:
 
 
 Law = NeoHooke | Yeoh | Ogden
+
+
+class IsotropicLaw(Protocol):
+    """What the exact solutions need of a law: any isotropic incompressible W(l1, l2, l3).
+
+    The laws above satisfy it, and so does `EnergyLaw` for any other energy.
+    """
+
+    @property
+    def initial_shear_modulus_mpa(self) -> float:
+        """Initial shear modulus, MPa."""
+        ...
+
+    def energy(self, l1: ArrayLike, l2: ArrayLike, l3: ArrayLike) -> FloatArray:
+        """Strain energy density at the principal stretches, MPa (mJ/mm3); arrays broadcast."""
+        ...
+
+    def stress_difference(self, la: ArrayLike, lb: ArrayLike, lc: ArrayLike) -> FloatArray:
+        """Cauchy sigma_a - sigma_b = la dW/dla - lb dW/dlb, MPa; arrays broadcast."""
+        ...
 
 
 @dataclass(frozen=True)

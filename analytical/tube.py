@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from analytical.materials import FloatArray, Law
+from analytical.materials import FloatArray, IsotropicLaw
 
 # Gauss-Legendre points on [-1, 1]. In the variable chosen in _quadrature the integrands are analytic in a
 # strip of half-width pi/2, so 48 points are at round-off for walls up to B/A = 100.
@@ -83,13 +83,13 @@ def inner_radius_at_outer_mm(tube: Tube, outer_mm: float) -> float:
     return math.sqrt(outer_mm**2 - wall_area)
 
 
-def pressure_at_inner_radius_mpa(tube: Tube, law: Law, inner_mm: float) -> float:
+def pressure_at_inner_radius_mpa(tube: Tube, law: IsotropicLaw, inner_mm: float) -> float:
     """Pressure P (inside minus outside) that holds the inner radius at a, MPa."""
     radius, deformed, weight = _quadrature(tube, inner_mm, tube.inner_radius_mm)
     return float(np.sum(weight * _hoop_minus_radial(tube, law, radius, deformed)))
 
 
-def inner_radius_at_pressure_mm(tube: Tube, law: Law, pressure_mpa: float) -> float:
+def inner_radius_at_pressure_mm(tube: Tube, law: IsotropicLaw, pressure_mpa: float) -> float:
     """Deformed inner radius a at the pressure `pressure_mpa` (inside minus outside), mm.
 
     The first solution met when the tube is inflated (or, for a negative pressure, collapsed) from the
@@ -131,7 +131,7 @@ def inner_radius_at_pressure_mm(tube: Tube, law: Law, pressure_mpa: float) -> fl
 
 
 def cauchy_stress_mpa(
-    tube: Tube, law: Law, inner_mm: float, radius_mm: ArrayLike
+    tube: Tube, law: IsotropicLaw, inner_mm: float, radius_mm: ArrayLike
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Cauchy stresses (sigma_r, sigma_theta, sigma_z) at undeformed radius R, free outer surface.
 
@@ -156,7 +156,7 @@ def cauchy_stress_mpa(
     return np.asarray(radial), np.asarray(hoop), np.asarray(axial)
 
 
-def hydrostatic_pressure_mpa(tube: Tube, law: Law, inner_mm: float, radius_mm: ArrayLike) -> FloatArray:
+def hydrostatic_pressure_mpa(tube: Tube, law: IsotropicLaw, inner_mm: float, radius_mm: ArrayLike) -> FloatArray:
     """Hydrostatic pressure -tr(sigma)/3 at undeformed radius R, MPa, positive in compression.
 
     Minus the pressure multiplier of a mixed element whose energy is split, W(J^(-1/3) F) + p (J - 1).
@@ -165,7 +165,7 @@ def hydrostatic_pressure_mpa(tube: Tube, law: Law, inner_mm: float, radius_mm: A
     return -(radial + hoop + axial) / 3.0
 
 
-def axial_force_n(tube: Tube, law: Law, inner_mm: float) -> float:
+def axial_force_n(tube: Tube, law: IsotropicLaw, inner_mm: float) -> float:
     """Axial force 2 pi int sigma_z r dr carried by the wall, N, positive in tension (free outer surface).
 
     This is what the ends must apply if the pressure acts on the lateral wall only (plane strain between
@@ -179,7 +179,7 @@ def axial_force_n(tube: Tube, law: Law, inner_mm: float) -> float:
     return float(math.pi * (pressure * inner_mm**2 + np.sum(weight * deformed**2 * (2.0 * axial - hoop))))
 
 
-def stored_energy_n(tube: Tube, law: Law, inner_mm: float) -> float:
+def stored_energy_n(tube: Tube, law: IsotropicLaw, inner_mm: float) -> float:
     """Stored energy per unit undeformed length, mJ/mm = N.
 
     Its derivative with respect to the enclosed area pi a^2 lz (at fixed lz) is the pressure, and with
@@ -197,12 +197,12 @@ def _require_bore(inner_mm: float) -> None:
         raise TubeError(f"deformed inner radius = {inner_mm:g} mm must be positive")
 
 
-def _hoop_minus_radial(tube: Tube, law: Law, radius_mm: ArrayLike, deformed_mm: ArrayLike) -> FloatArray:
+def _hoop_minus_radial(tube: Tube, law: IsotropicLaw, radius_mm: ArrayLike, deformed_mm: ArrayLike) -> FloatArray:
     hoop = np.asarray(deformed_mm) / np.asarray(radius_mm)
     return law.stress_difference(hoop, 1.0 / (hoop * tube.axial_stretch), tube.axial_stretch)
 
 
-def _axial_minus_radial(tube: Tube, law: Law, radius_mm: ArrayLike, deformed_mm: ArrayLike) -> FloatArray:
+def _axial_minus_radial(tube: Tube, law: IsotropicLaw, radius_mm: ArrayLike, deformed_mm: ArrayLike) -> FloatArray:
     hoop = np.asarray(deformed_mm) / np.asarray(radius_mm)
     return law.stress_difference(tube.axial_stretch, 1.0 / (hoop * tube.axial_stretch), hoop)
 
