@@ -1,8 +1,8 @@
-"""The meridian mesh of a bellows: a structured band split into curved quadratic triangles, plus rings.
+"""The meridian mesh of a bellows: a structured band of curved quadratic cells, plus rings.
 
 The wall and the cap are one band of stations along the outline, each with layers from the cavity side to the
-outside. The band's nine-node quadrilaterals are split along one diagonal, so a mesh of swept quadrilaterals
-and a mesh of simplices share all nodes. Meshed rings are triangulated by gmsh and joined node to node.
+outside. The band's nine-node quadrilaterals are kept, or split along one diagonal into triangles: both meshes share
+all nodes. Meshed rings are triangulated by gmsh and joined node to node.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from meshes.bellows import (
     corner_band,
     wall_segments,
 )
+from meshes.cells import QUADRILATERAL_NODES
 from meshes.errors import GeometryError
 from meshes.quality import jacobians
 from meshes.ring import RingShape, ring_triangles
@@ -141,7 +143,12 @@ def _split_quads(quads: IntArray, corner_nodes: IntArray, points: FloatArray) ->
     return triangles.reshape(-1, 6), np.repeat(np.arange(len(quads)), 2)
 
 
-def meridian_mesh(shape: BellowsShape, resolution: Resolution, ring: RingShape | None = None) -> SolidMesh:
+def meridian_mesh(
+    shape: BellowsShape,
+    resolution: Resolution,
+    ring: RingShape | None = None,
+    cells: Literal["triangles", "quadrilaterals"] = "triangles",
+) -> SolidMesh:
     """Mesh the meridian of a bellows.
 
     Parameters
@@ -151,12 +158,16 @@ def meridian_mesh(shape: BellowsShape, resolution: Resolution, ring: RingShape |
     resolution
         The cell counts.
     ring
-        Cross-section of rings to mesh and join to every seat; None leaves the seats as named surfaces.
+        Cross-section of rings to mesh and join to every seat (triangles only); None leaves the seats as named
+        surfaces.
+    cells
+        Kind of cells. The first axis of a quadrilateral runs along the outline, towards the axis of revolution in
+        the cap; the second from the cavity side to the outside.
 
     Returns
     -------
     SolidMesh
-        Quadratic triangles in (r, z).
+        Quadratic cells in (r, z).
 
     Raises
     ------
@@ -164,6 +175,8 @@ def meridian_mesh(shape: BellowsShape, resolution: Resolution, ring: RingShape |
         If the shape cannot be built, or the mesh of it has a cell that is folded over.
     """
     check_shape(shape)
+    if ring is not None and cells != "triangles":
+        raise GeometryError("meshed rings need a mesh of triangles: their section is not structured")
     band = bellows_band(shape, resolution)
     layers = 2 * resolution.through * resolution.refinement + 1
     stations = len(band.inner)
@@ -180,17 +193,21 @@ def meridian_mesh(shape: BellowsShape, resolution: Resolution, ring: RingShape |
     kinds = np.array(band.kinds)
     quad_regions = np.where(np.isin(kinds, ("corner", "cap")), REGIONS["cap"], REGIONS["elastomer"])
 
-    ends = node[[0, 0, -1, -1], [0, -1, 0, -1]]
-    cells, parents = _split_quads(quads, ends, points)
-    regions = np.repeat(quad_regions, rows)[parents]
+    regions = np.repeat(quad_regions, rows)
+    if cells == "triangles":
+        ends = node[[0, 0, -1, -1], [0, -1, 0, -1]]
+        nodes, parents = _split_quads(quads, ends, points)
+        regions = regions[parents]
+    else:
+        nodes = quads[:, 3 * QUADRILATERAL_NODES[:, 0] + QUADRILATERAL_NODES[:, 1]]
 
     edges, tags, bodies = _band_edges(band, shape, node, points)
     if ring is not None:
-        points, cells, regions, edges, tags, bodies = _join_rings(
-            shape, ring, points, cells, regions, edges, tags, bodies
+        points, nodes, regions, edges, tags, bodies = _join_rings(
+            shape, ring, points, nodes, regions, edges, tags, bodies
         )
-    _refuse_folded(points, cells)
-    return SolidMesh(points, cells, regions, np.sort(edges, axis=1), tags, bodies, int(node[-1, -1]))
+    _refuse_folded(points, nodes)
+    return SolidMesh(points, nodes, regions, np.sort(edges, axis=1), tags, bodies, int(node[-1, -1]))
 
 
 def _band_edges(

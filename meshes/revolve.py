@@ -161,12 +161,18 @@ def revolve_vector(meridian_values: FloatArray, mesh: SolidMesh) -> FloatArray:
     meridian_values
         Shape (meridian nodes, 2).
     mesh
-        A mesh made by `revolve` from that meridian.
+        A mesh made by `revolve` or `meshes.sweep.revolve_hexahedra` from that meridian.
 
     Returns
     -------
     ndarray
         Shape (nodes, 3).
     """
-    radial, axial = meridian_values[mesh.meridian_node].T
+    radial, axial = revolve_scalar(meridian_values, mesh).T
     return np.column_stack([radial * np.cos(mesh.angle_rad), radial * np.sin(mesh.angle_rad), axial])
+
+
+def revolve_scalar(meridian_values: FloatArray, mesh: SolidMesh) -> FloatArray:
+    """Carry values on meridian nodes, shape (meridian nodes, ...), over to the nodes of a revolved mesh."""
+    values = meridian_values[mesh.meridian_node]
+    return np.einsum("nk...,nk->n...", values, mesh.meridian_weight) if mesh.meridian_weight.size else values

@@ -1,27 +1,23 @@
-"""The mesh as plain arrays, handed to the solver: quadratic triangles (meridian) or tetrahedra (3D)."""
+"""The mesh as plain arrays, handed to the solver: quadratic cells of a meridian or of a body."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from meshes.cells import TETRAHEDRON_EDGES, TRIANGLE_EDGES, CellShape, FloatArray, IntArray, cell_shape
 
-# Edges of the reference cells as pairs of local corners, in the order of basix' degree-2 Lagrange nodes
-# (basix numbers an edge by the corners it does not touch, lexicographically).
-TRIANGLE_EDGES = ((1, 2), (0, 2), (0, 1))
-TETRAHEDRON_EDGES = ((2, 3), (1, 3), (1, 2), (0, 3), (0, 2), (0, 1))
+__all__ = ["FACETS", "REGIONS", "TETRAHEDRON_EDGES", "TRIANGLE_EDGES", "FloatArray", "IntArray", "SolidMesh"]
 
 REGIONS = {"elastomer": 1, "cap": 2, "ring": 3}
-FACETS = {"cavity": 1, "clamped": 2, "tip": 3, "bond": 4, "outer": 5, "axis": 6}
+# ``start`` and ``end`` are the faces of a sector at angle 0 and at its full angle.
+FACETS = {"cavity": 1, "clamped": 2, "tip": 3, "bond": 4, "outer": 5, "axis": 6, "start": 7, "end": 8}
 
 
 @dataclass(frozen=True)
 class SolidMesh:
-    """A curved quadratic simplex mesh with named regions and surfaces.
+    """A curved quadratic mesh with named regions and surfaces, all cells of one kind.
 
     Attributes
     ----------
@@ -29,11 +25,12 @@ class SolidMesh:
         Node positions, shape (n, d), mm. d = 2 is a meridian with columns (r, z); d = 3 has (x, y, z)
         with z along the axis.
     cells
-        Nodes of each cell, shape (m, 6) or (m, 10): corners, then mid-edge nodes in basix order.
+        Nodes of each cell in basix order, corners first: (m, 6) triangles, (m, 9) quadrilaterals,
+        (m, 10) tetrahedra or (m, 27) hexahedra.
     regions
         Region number of each cell (``REGIONS``), shape (m,).
     facets
-        Corner nodes of the boundary facets, ascending, shape (k, d).
+        Corner nodes of the boundary facets, ascending, shape (k, corners of a facet).
     facet_tags
         Surface number of each facet (``FACETS``), shape (k,).
     facet_bodies
@@ -42,6 +39,9 @@ class SolidMesh:
         Node on the axis of the distal face.
     meridian_node, angle_rad
         For a revolved mesh: the meridian node and the angle each node came from, shape (n,); else empty.
+        Where a node lies between meridian nodes, ``meridian_node`` has shape (n, 3).
+    meridian_weight
+        Shape (n, 3): weights of these three; empty where ``meridian_node`` has one column.
     """
 
     points: FloatArray
@@ -53,6 +53,7 @@ class SolidMesh:
     tip_centre_node: int
     meridian_node: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     angle_rad: FloatArray = field(default_factory=lambda: np.empty(0))
+    meridian_weight: FloatArray = field(default_factory=lambda: np.empty(0))
 
     @property
     def dimension(self) -> int:
@@ -60,6 +61,11 @@ class SolidMesh:
         return int(self.points.shape[1])
 
     @property
+    def cell(self) -> CellShape:
+        """The reference cell."""
+        return cell_shape(self.dimension, self.cells.shape[1])
+
+    @property
     def corners(self) -> IntArray:
         """Nodes that are corners of cells, ascending."""
-        return np.unique(self.cells[:, : self.dimension + 1])
+        return np.unique(self.cells[:, : self.cell.corners])
