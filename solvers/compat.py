@@ -5,11 +5,13 @@ from __future__ import annotations
 import logging
 from typing import Any
 
+import basix
 import dolfinx
 import numpy as np
 import ufl
 from dolfinx import cpp, fem, la
 from dolfinx import mesh as dmesh
+from ffcx import element_interface
 from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
@@ -23,11 +25,15 @@ JIT = {
 }
 
 
-def make_mesh(comm: MPI.Comm, cells: NDArray[np.int64], points: NDArray[np.float64], degree: int = 2) -> dmesh.Mesh:
-    """Create a simplex mesh with curved cells; every rank passes its share of cells and points."""
+# Kind of a quadratic cell by dimension and number of nodes.
+CELL_NAMES = {(2, 6): "triangle", (2, 9): "quadrilateral", (3, 10): "tetrahedron", (3, 27): "hexahedron"}
+
+
+def make_mesh(comm: MPI.Comm, cells: NDArray[np.int64], points: NDArray[np.float64]) -> dmesh.Mesh:
+    """Create a mesh of curved quadratic cells; every rank passes its share of cells and points."""
     gdim = points.shape[1]
-    shape = {2: "triangle", 3: "tetrahedron"}[gdim]
-    domain = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell(shape, geometric_dimension=gdim), degree))
+    shape = CELL_NAMES[gdim, cells.shape[1]]
+    domain = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell(shape, geometric_dimension=gdim), 2))
     partitioner = cpp.mesh.create_cell_partitioner()
     return dmesh.create_mesh(comm, cells, points, domain, dmesh.GhostMode.none, partitioner)
 
@@ -56,9 +62,38 @@ def boundary_facets(mesh: dmesh.Mesh) -> NDArray[np.int32]:
 
 
 def facet_corner_nodes(mesh: dmesh.Mesh, facets: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Geometry nodes at the corners of facets, shape (facets, d)."""
+    """Geometry nodes at the corners of facets, shape (facets, corners)."""
     mesh.topology.create_connectivity(mesh.topology.dim - 1, 0)
-    return cpp.mesh.entities_to_geometry(mesh._mesh, mesh.topology.dim - 1, facets, False)
+    nodes = cpp.mesh.entities_to_geometry(mesh._mesh, mesh.topology.dim - 1, facets, False)
+    corners = {"hexahedron": 4}.get(mesh.ufl_cell().cellname(), mesh.topology.dim)
+    return np.asarray(nodes, dtype=np.int32).reshape(len(facets), corners)
+
+
+def corner_positions(mesh: dmesh.Mesh) -> NDArray[np.float64]:
+    """Corners of the reference cell, shape (corners, d)."""
+    return np.asarray(basix.geometry(basix.cell.string_to_type(mesh.ufl_cell().cellname())))
+
+
+def node_positions(mesh: dmesh.Mesh) -> NDArray[np.float64]:
+    """Quadratic nodes of the reference cell, shape (nodes, d)."""
+    cell = basix.cell.string_to_type(mesh.ufl_cell().cellname())
+    return np.asarray(basix.create_element(basix.ElementFamily.P, cell, 2, basix.LagrangeVariant.gll_warped).points)
+
+
+def quadrature_points(mesh: dmesh.Mesh, degree: int) -> NDArray[np.float64]:
+    """Points of the cell quadrature of a degree, shape (points, d)."""
+    return basix.make_quadrature(basix.cell.string_to_type(mesh.ufl_cell().cellname()), degree)[0]
+
+
+def basis_at(element: Any, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Values of a scalar UFL element's basis functions at reference points, shape (points, functions)."""
+    return np.asarray(element_interface.create_element(element).tabulate(0, points))[0]
+
+
+def input_cells(mesh: dmesh.Mesh) -> NDArray[np.int64]:
+    """Number of each local cell in the order in which cells were given."""
+    cells = mesh.topology.index_map(mesh.topology.dim)
+    return np.asarray(mesh.topology.original_cell_index[: cells.size_local + cells.num_ghosts], dtype=np.int64)
 
 
 # cffi's build of a form says what it runs, at level INFO of the root logger.

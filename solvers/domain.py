@@ -23,7 +23,11 @@ IntArray = NDArray[np.int64]
 
 
 class MeshArrays(Protocol):
-    """What the solver reads of a mesh: quadratic simplices with regions and tagged boundary facets."""
+    """What the solver reads of a mesh: quadratic cells of one kind with regions and tagged boundary facets.
+
+    Nodes of a cell are in basix order: six of a triangle, nine of a quadrilateral, ten of a tetrahedron, 27 of a
+    hexahedron. Facets are given by their corners, ascending.
+    """
 
     @property
     def points(self) -> FloatArray: ...  # noqa: D102
@@ -57,8 +61,10 @@ class Domain:
         Number of the rigid body of each facet in ``facet_tags``, -1 for none.
     input_node
         Caller's node of each local geometry node.
-    nodes
-        Number of the caller's nodes.
+    input_cell
+        Caller's cell of each local cell.
+    nodes, cells
+        Numbers of the caller's nodes and cells.
     """
 
     comm: MPI.Comm
@@ -68,7 +74,19 @@ class Domain:
     facet_tags: Any
     facet_bodies: IntArray
     input_node: IntArray
+    input_cell: IntArray
     nodes: int
+    cells: int
+
+    @property
+    def cell_name(self) -> str:
+        """Kind of the cells."""
+        return str(self.mesh.ufl_cell().cellname())
+
+    @property
+    def corners(self) -> int:
+        """Corners of a cell."""
+        return int(self.mesh.ufl_cell().num_vertices())
 
     @property
     def dx(self) -> Any:
@@ -104,21 +122,21 @@ def create_domain(comm: MPI.Comm, arrays: MeshArrays | None) -> Domain:
     head = None
     if root:
         assert arrays is not None
-        head = (arrays.points.shape[1], arrays.cells.shape[1], len(arrays.points))
-    gdim, per_cell, node_count = comm.bcast(head)
+        head = (arrays.points.shape[1], arrays.cells.shape[1], len(arrays.points), len(arrays.cells))
+    gdim, per_cell, node_count, cell_count = comm.bcast(head)
     cells = arrays.cells if root and arrays is not None else np.empty((0, per_cell), dtype=np.int64)
     points = arrays.points if root and arrays is not None else np.empty((0, gdim))
     mesh = compat.make_mesh(comm, np.ascontiguousarray(cells), np.ascontiguousarray(points))
 
     tables = (arrays.regions, arrays.facets, arrays.facet_tags, arrays.facet_bodies) if root and arrays else None
     regions, facets, tags, bodies = comm.bcast(tables)
-    local_cells = mesh.topology.index_map(gdim).size_local + mesh.topology.index_map(gdim).num_ghosts
-    original = np.asarray(mesh.topology.original_cell_index[:local_cells])
-    cell_tags = dmesh.meshtags(mesh, gdim, np.arange(local_cells, dtype=np.int32), regions[original].astype(np.int32))
+    original = compat.input_cells(mesh)
+    every = np.arange(len(original), dtype=np.int32)
+    cell_tags = dmesh.meshtags(mesh, gdim, every, regions[original].astype(np.int32))
 
     input_node = np.asarray(mesh.geometry.input_global_indices, dtype=np.int64)
     own = compat.boundary_facets(mesh)
-    corners = compat.facet_corner_nodes(mesh, own).reshape(len(own), gdim)
+    corners = compat.facet_corner_nodes(mesh, own)
     keys = _key(np.sort(input_node[corners], axis=1), node_count)
     wanted = _key(np.sort(facets, axis=1), node_count)
     order = np.argsort(wanted)
@@ -131,12 +149,26 @@ def create_domain(comm: MPI.Comm, arrays: MeshArrays | None) -> Domain:
     tagged = own[hit]
     ascending = np.argsort(tagged)
     facet_tags = dmesh.meshtags(mesh, gdim - 1, tagged[ascending], tags[which][ascending].astype(np.int32))
-    return Domain(comm, mesh, gdim == 2, cell_tags, facet_tags, bodies[which][ascending], input_node, node_count)
+    return Domain(
+        comm,
+        mesh,
+        gdim == 2,
+        cell_tags,
+        facet_tags,
+        bodies[which][ascending],
+        input_node,
+        original,
+        node_count,
+        cell_count,
+    )
 
 
 def _key(rows: IntArray, base: int) -> IntArray:
-    """One integer per row of sorted node numbers; exact below 2**63 for up to two million nodes in 3D."""
+    """One integer per row of sorted node numbers; exact below 2**63 for up to two million nodes in 3D.
+
+    Three corners name a facet of four too: two facets of a mesh never share three.
+    """
     key = rows[:, 0].astype(np.int64)
-    for column in range(1, rows.shape[1]):
+    for column in range(1, min(rows.shape[1], 3)):
         key = key * base + rows[:, column]
     return key

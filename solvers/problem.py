@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-import basix
 import numpy as np
 import scipy.sparse
 import ufl
@@ -21,6 +20,7 @@ from petsc4py import PETSc
 from analytical.materials import StiffSolid
 from solvers import compat
 from solvers.domain import Domain, FloatArray, IntArray
+from solvers.elements import QUADRATURE_DEGREE, Element, usual_element
 from solvers.errors import SolverError
 from solvers.forms import build_forms, invariants
 from solvers.kinematics import kinematics
@@ -29,10 +29,6 @@ from solvers.rigid import BondedBodies, RigidBodies
 from solvers.state import State, Timer
 
 SOFT, STIFF = 1, 2  # material numbers of cells
-
-# Degree 4 integrates the split energy on quadratic tetrahedra to below the discretisation error; on meridians
-# the factor r and few cells make one more degree free. Measured in docs/decisions.md.
-QUADRATURE_DEGREE = {2: 5, 3: 4}
 
 
 @dataclass(frozen=True)
@@ -74,6 +70,10 @@ class Problem:
         Material of the STIFF cells, if any.
     bodies
         Rigid bodies, if any.
+    element
+        Displacement and pressure spaces; default the usual ones of the mesh's cells.
+    quadrature_degree
+        Default that of the mesh's cells.
     """
 
     def __init__(
@@ -84,21 +84,22 @@ class Problem:
         surfaces: Surfaces,
         stiff: StiffSolid | None = None,
         bodies: RigidBodies | None = None,
+        element: Element | None = None,
+        quadrature_degree: int | None = None,
     ) -> None:
         compat.align_counters()
         self.domain, self.comm = domain, domain.comm
         self.timer = Timer()
         mesh = domain.mesh
         self.dimension = mesh.geometry.dim
-        cell = mesh.ufl_cell()
-        element = ufl.MixedElement([ufl.VectorElement("Lagrange", cell, 2), ufl.FiniteElement("Lagrange", cell, 1)])
-        self.space = fem.FunctionSpace(mesh, element)
+        self.element = element or usual_element(domain.cell_name)
+        self.space = fem.FunctionSpace(mesh, self.element.spaces(mesh.ufl_cell()))
         self.state = fem.Function(self.space)
         self.pressure = fem.Constant(mesh, 0.0)
         self.index_map = self.space.dofmap.index_map
-        self._number_nodes()
+        self._number_unknowns()
 
-        degree = QUADRATURE_DEGREE[self.dimension]
+        degree = quadrature_degree or QUADRATURE_DEGREE[domain.cell_name]
         kin = kinematics(mesh, domain.axisymmetric)
         dx, ds = domain.dx(degree=degree), domain.ds(degree=degree)
         measures = {"cavity": ds(surfaces.cavity)}
@@ -136,9 +137,7 @@ class Problem:
             self._energy = compat.compile_form(forms.energy)
             self._volume = compat.compile_form(forms.volume)
             k = invariants(kin.gradient(ufl.split(self.state)[0]))
-            points, _ = basix.make_quadrature(
-                basix.CellType.triangle if self.dimension == 2 else basix.CellType.tetrahedron, degree
-            )
+            points = compat.quadrature_points(mesh, degree)
             self._check = compat.compile_expression(ufl.as_vector([k.j, k.i1, k.i2]), points)
 
             q = ufl.TestFunctions(self.space)[1]
@@ -158,15 +157,32 @@ class Problem:
 
     # ---- numbering -------------------------------------------------------------------------------------
 
-    def _number_nodes(self) -> None:
-        """Local dofs of each local geometry node: displacements (n, d), pressure (n,), -1 off corners."""
-        geometry = compat.geometry_dofs(self.domain.mesh)
+    def _number_unknowns(self) -> None:
+        """Local dofs: displacements of each local geometry node (n, d), -1 where it has none; pressures.
+
+        A continuous pressure belongs to corner nodes, ``p_dofs`` (n,), -1 elsewhere. One with jumps belongs to cells,
+        ``p_dofs`` (owned cells, k), and ``_p_at_corners`` (corners, k) holds its basis functions there.
+        """
+        mesh, corners = self.domain.mesh, self.domain.corners
+        geometry = compat.geometry_dofs(mesh)
         count = len(self.domain.input_node)
         self.u_dofs = np.full((count, self.dimension), -1, dtype=np.int64)
-        self.p_dofs = np.full(count, -1, dtype=np.int64)
         for i in range(self.dimension):
-            self.u_dofs[geometry, i] = compat.cell_dofs(self.space.sub(0).sub(i))
-        self.p_dofs[geometry[:, : self.dimension + 1]] = compat.cell_dofs(self.space.sub(1))
+            dofs = compat.cell_dofs(self.space.sub(0).sub(i))
+            self.u_dofs[geometry[:, : dofs.shape[1]], i] = dofs
+        # linear displacements at the quadratic nodes, for callers who expect a value at every node
+        linear = ufl.FiniteElement("Lagrange", mesh.ufl_cell(), 1)
+        self._linear_at_nodes = compat.basis_at(linear, compat.node_positions(mesh))
+        on_cells = compat.cell_dofs(self.space.sub(1))
+        if self.element.pressure == "continuous":
+            self.p_dofs = np.full(count, -1, dtype=np.int64)
+            self.p_dofs[geometry[:, :corners]] = on_cells
+            self.pressure_shape: tuple[int, ...] = (self.domain.nodes,)
+        else:
+            self.p_dofs = on_cells.astype(np.int64)
+            scalar = self.space.ufl_element().sub_elements()[1]
+            self._p_at_corners = compat.basis_at(scalar, compat.corner_positions(mesh))
+            self.pressure_shape = (self.domain.cells, corners)
         self.owned = self.index_map.size_local
         self.local = self.owned + self.index_map.num_ghosts
         self.owned_pressure = np.zeros(self.owned, dtype=bool)
@@ -205,7 +221,7 @@ class Problem:
             touched.x.scatter_reverse(compat.la.ScatterMode.add)
             touched.x.scatter_forward()
             soft = touched.x.array > 0.0
-            pressure = self.p_dofs[self.p_dofs >= 0]
+            pressure = np.unique(self.p_dofs[self.p_dofs >= 0])
             dead = pressure[~soft[pressure]]
             fixed.append((self.space.sub(1), np.unique(dead).astype(np.int32)))
         self.bcs = [fem.dirichletbc(PETSc.ScalarType(0), np.asarray(d, np.int32), s) for s, d in fixed]
@@ -370,8 +386,15 @@ class Problem:
         known = self.u_dofs[:, 0] >= 0
         for i in range(self.dimension):
             array[self.u_dofs[known, i]] = state.displacement_mm[self.domain.input_node[known], i]
-        corner = self.p_dofs >= 0
-        array[self.p_dofs[corner]] = state.pressure_mpa[self.domain.input_node[corner]]
+        if state.pressure_mpa.shape != self.pressure_shape:
+            raise SolverError(f"state has pressures of shape {state.pressure_mpa.shape}, need {self.pressure_shape}")
+        if self.element.pressure == "continuous":
+            corner = self.p_dofs >= 0
+            array[self.p_dofs[corner]] = state.pressure_mpa[self.domain.input_node[corner]]
+        else:
+            # the closest polynomial to the corner values: exact for those of a state of this problem
+            mine = state.pressure_mpa[self.domain.input_cell[: len(self.p_dofs)]]
+            array[self.p_dofs] = mine @ np.linalg.pinv(self._p_at_corners).T
         array[: self.local][self._is_constrained] = 0.0
         self.state.x.scatter_forward()
         if state.bodies_mm.shape != self.body_values.shape:
@@ -383,25 +406,31 @@ class Problem:
 
     def get_state(self) -> State:
         """The current state in the caller's numbering, complete on every rank."""
-        d = self.dimension
+        domain, array = self.domain, self.state.x.array
         known = self.u_dofs[:, 0] >= 0
-        array = self.state.x.array
-        mine = self.domain.input_node[known]
-        u = np.stack([array[self.u_dofs[known, i]] for i in range(d)], axis=1)
-        corner = self.p_dofs >= 0
-        p_nodes, p = self.domain.input_node[corner], array[self.p_dofs[corner]]
-        displacement = np.zeros((self.domain.nodes, d))
-        pressure = np.zeros(self.domain.nodes)
-        for nodes, values, corners, corner_values in self.comm.allgather((mine, u, p_nodes, p)):
+        u = np.zeros((len(known), self.dimension))
+        u[known] = array[self.u_dofs[known]]
+        if self.element.displacement_degree == 1:
+            geometry = compat.geometry_dofs(domain.mesh)
+            u[geometry] = np.einsum("nk,cki->cni", self._linear_at_nodes, u[geometry[:, : domain.corners]])
+            known = np.isin(np.arange(len(known)), geometry)
+        if self.element.pressure == "continuous":
+            at = np.flatnonzero(self.p_dofs >= 0)
+            where, p = domain.input_node[at], array[self.p_dofs[at]]
+        else:
+            where, p = domain.input_cell[: len(self.p_dofs)], array[self.p_dofs] @ self._p_at_corners.T
+        displacement = np.zeros((domain.nodes, self.dimension))
+        pressure = np.zeros(self.pressure_shape)
+        for nodes, values, places, p_values in self.comm.allgather((domain.input_node[known], u[known], where, p)):
             displacement[nodes] = values
-            pressure[corners] = corner_values
+            pressure[places] = p_values
         return State(displacement, pressure, self.body_values.copy(), float(self.pressure.value))
 
     def zero_state(self) -> State:
         """The unloaded reference state."""
         return State(
             np.zeros((self.domain.nodes, self.dimension)),
-            np.zeros(self.domain.nodes),
+            np.zeros(self.pressure_shape),
             np.zeros(self.body_values.shape),
             0.0,
         )

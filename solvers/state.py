@@ -8,19 +8,22 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from solvers.domain import FloatArray
+import numpy as np
+
+from solvers.domain import FloatArray, IntArray
 
 
 @dataclass(frozen=True)
 class State:
-    """An equilibrium (or a guess), in the caller's node numbering.
+    """An equilibrium (or a guess), in the caller's numbering of nodes and cells.
 
     Attributes
     ----------
     displacement_mm
         Shape (nodes, d).
     pressure_mpa
-        Pressure field p at corner nodes, zero elsewhere, shape (nodes,).
+        Pressure field p. Continuous: at corner nodes, zero elsewhere, shape (nodes,). With jumps between cells: at
+        the corners of each cell, shape (cells, corners).
     bodies_mm
         Motions of the rigid bodies, shape (bodies, modes): axial in 2D; x, y, z translation, then rotation
         about x, y, z times the arm, in 3D.
@@ -32,6 +35,16 @@ class State:
     pressure_mpa: FloatArray
     bodies_mm: FloatArray
     load_mpa: float
+
+
+def pressure_at_corners(state: State, cells: IntArray, corners: int) -> FloatArray:
+    """Pressure at corner nodes, averaged over the cells there where it jumps; zero elsewhere, shape (nodes,), MPa."""
+    if state.pressure_mpa.ndim == 1:
+        return state.pressure_mpa
+    at = cells[:, :corners].ravel()
+    sums = np.bincount(at, weights=state.pressure_mpa.ravel(), minlength=len(state.displacement_mm))
+    count = np.bincount(at, minlength=len(state.displacement_mm))
+    return sums / np.maximum(count, 1)
 
 
 @dataclass

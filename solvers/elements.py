@@ -1,0 +1,62 @@
+"""Pairs of displacement and pressure spaces, and the quadrature that suits their cells.
+
+Names: the letter is the kind of cell (P: triangles and tetrahedra, Q: quadrilaterals and hexahedra), the numbers are
+the degrees of displacement and pressure.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import ufl
+
+
+@dataclass(frozen=True)
+class Element:
+    """A displacement-pressure pair.
+
+    Attributes
+    ----------
+    name
+        For reports.
+    displacement_degree
+        Continuous polynomials of this degree.
+    pressure
+        ``continuous``: linear from corner to corner; ``linear``: linear in each reference cell, with jumps;
+        ``constant`` in each cell.
+    """
+
+    name: str
+    displacement_degree: int
+    pressure: Literal["continuous", "linear", "constant"]
+
+    def spaces(self, cell: Any) -> Any:
+        """The mixed UFL element on a UFL cell."""
+        box = cell.cellname() in ("quadrilateral", "hexahedron")
+        family, degree = {
+            "continuous": ("Lagrange", 1),
+            "linear": ("DPC" if box else "DG", 1),
+            "constant": ("DG", 0),
+        }[self.pressure]
+        displacement = ufl.VectorElement("Lagrange", cell, self.displacement_degree)
+        return ufl.MixedElement([displacement, ufl.FiniteElement(family, cell, degree)])
+
+
+P2_P1 = Element("P2/P1", 2, "continuous")
+# What ANSYS calls SOLID187 with a constant pressure.
+P2_P0 = Element("P2/P0", 2, "constant")
+Q2_P1 = Element("Q2/P1 discontinuous", 2, "linear")
+# Linear displacements on straight cells make det F constant in each, so that one pressure per cell with a finite bulk
+# modulus is the same as no pressure unknown at all: the plain displacement element. It locks; kept as the control.
+P1_P0 = Element("P1 plain", 1, "constant")
+
+# Degree 4 integrates the split energy on quadratic tetrahedra to below the discretisation error; on meridians
+# the factor r and few cells make one more degree free. Degree 5 on hexahedra is Gauss' rule of 3 x 3 x 3 points.
+# Measured in docs/decisions.md.
+QUADRATURE_DEGREE = {"triangle": 5, "tetrahedron": 4, "quadrilateral": 5, "hexahedron": 5}
+
+
+def usual_element(cell_name: str) -> Element:
+    """The element of choice on a kind of cell."""
+    return Q2_P1 if cell_name in ("quadrilateral", "hexahedron") else P2_P1
