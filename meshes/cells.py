@@ -5,12 +5,15 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+# Kinds of cells of a meridian.
+CellKind = Literal["triangles", "quadrilaterals"]
 
 # Edges of the reference simplices as pairs of local corners, in the order of basix' degree-2 Lagrange nodes
 # (basix numbers an edge by the corners it does not touch, lexicographically).

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -22,7 +21,7 @@ from meshes.bellows import (
     corner_band,
     wall_segments,
 )
-from meshes.cells import QUADRILATERAL_NODES
+from meshes.cells import QUADRILATERAL_NODES, CellKind
 from meshes.errors import GeometryError
 from meshes.quality import jacobians
 from meshes.ring import RingShape, ring_triangles
@@ -108,7 +107,7 @@ def bellows_band(shape: BellowsShape, resolution: Resolution) -> Band:
     return Band(inner_all, outer_all, tuple(kinds), tuple(index))
 
 
-def _split_quads(quads: IntArray, corner_nodes: IntArray, points: FloatArray) -> tuple[IntArray, IntArray]:
+def split_quadrilaterals(quads: IntArray, corner_nodes: IntArray, points: FloatArray) -> tuple[IntArray, IntArray]:
     """Split nine-node quadrilaterals into two six-node triangles each, along the diagonal that suits.
 
     A diagonal through a corner of the outline is taken, so that no triangle has all its corners on the
@@ -147,7 +146,7 @@ def meridian_mesh(
     shape: BellowsShape,
     resolution: Resolution,
     ring: RingShape | None = None,
-    cells: Literal["triangles", "quadrilaterals"] = "triangles",
+    cells: CellKind = "triangles",
 ) -> SolidMesh:
     """Mesh the meridian of a bellows.
 
@@ -196,7 +195,7 @@ def meridian_mesh(
     regions = np.repeat(quad_regions, rows)
     if cells == "triangles":
         ends = node[[0, 0, -1, -1], [0, -1, 0, -1]]
-        nodes, parents = _split_quads(quads, ends, points)
+        nodes, parents = split_quadrilaterals(quads, ends, points)
         regions = regions[parents]
     else:
         nodes = quads[:, 3 * QUADRILATERAL_NODES[:, 0] + QUADRILATERAL_NODES[:, 1]]

@@ -11,8 +11,20 @@ from meshes.cells import TETRAHEDRON_EDGES, TRIANGLE_EDGES, CellShape, FloatArra
 __all__ = ["FACETS", "REGIONS", "TETRAHEDRON_EDGES", "TRIANGLE_EDGES", "FloatArray", "IntArray", "SolidMesh"]
 
 REGIONS = {"elastomer": 1, "cap": 2, "ring": 3}
-# ``start`` and ``end`` are the faces of a sector at angle 0 and at its full angle.
-FACETS = {"cavity": 1, "clamped": 2, "tip": 3, "bond": 4, "outer": 5, "axis": 6, "start": 7, "end": 8}
+# ``start`` and ``end`` are the faces of a sector at angle 0 and at its full angle, ``bottom`` and ``top`` the planes in
+# which a tube or half a sphere ends.
+FACETS = {
+    "cavity": 1,
+    "clamped": 2,
+    "tip": 3,
+    "bond": 4,
+    "outer": 5,
+    "axis": 6,
+    "start": 7,
+    "end": 8,
+    "bottom": 9,
+    "top": 10,
+}
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,148 @@
+"""Simple bodies with exact answers: meridians of a tube and of a half sphere, and a block.
+
+The meridians are swept by `meshes.revolve` and `meshes.sweep` like any other.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from meshes.cells import HEXAHEDRON_NODES, QUADRILATERAL_NODES, CellKind
+from meshes.errors import GeometryError
+from meshes.meridian import split_quadrilaterals
+from meshes.solid import FACETS, REGIONS, FloatArray, IntArray, SolidMesh
+
+
+def _require_radii(inner_mm: float, outer_mm: float) -> None:
+    if not 0.0 < inner_mm < outer_mm < math.inf:
+        raise GeometryError(f"radii {inner_mm:g}, {outer_mm:g} mm: need 0 < inner < outer")
+
+
+def tube_meridian(
+    inner_mm: float, outer_mm: float, length_mm: float, along: int, through: int, cells: CellKind = "triangles"
+) -> SolidMesh:
+    """Meridian of a tube: 0 <= z <= length, inner <= r <= outer.
+
+    Parameters
+    ----------
+    inner_mm, outer_mm, length_mm
+        Radii and length, mm.
+    along, through
+        Cells along the axis and through the wall.
+    cells
+        Kind of cells.
+
+    Returns
+    -------
+    SolidMesh
+        Surfaces ``cavity`` (inside), ``outer``, ``bottom`` and ``top``.
+    """
+    _require_radii(inner_mm, outer_mm)
+    if not 0.0 < length_mm < math.inf:
+        raise GeometryError(f"length {length_mm:g} mm: must be positive")
+    z = length_mm * np.linspace(0.0, 1.0, 2 * along + 1)
+    r = np.linspace(inner_mm, outer_mm, 2 * through + 1)
+    lattice = np.stack([np.broadcast_to(r, (len(z), len(r))), np.broadcast_to(z[:, None], (len(z), len(r)))], axis=-1)
+    return _lattice_meridian(lattice, ("cavity", "outer", "bottom", "top"), cells)
+
+
+def sphere_meridian(
+    inner_mm: float, outer_mm: float, along: int, through: int, cells: CellKind = "triangles"
+) -> SolidMesh:
+    """Meridian of the upper half of a thick sphere, from the equator z = 0 to the axis.
+
+    Parameters
+    ----------
+    inner_mm, outer_mm
+        Radii, mm.
+    along, through
+        Cells from equator to pole and through the wall.
+    cells
+        Kind of cells.
+
+    Returns
+    -------
+    SolidMesh
+        Surfaces ``cavity`` (inside), ``outer``, ``bottom`` (the equator's plane) and ``axis``.
+    """
+    _require_radii(inner_mm, outer_mm)
+    angle = 0.5 * math.pi * np.linspace(0.0, 1.0, 2 * along + 1)[:, None]
+    radius = np.linspace(inner_mm, outer_mm, 2 * through + 1)
+    lattice = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=-1)
+    lattice[-1, :, 0] = 0.0
+    lattice[0, :, 1] = 0.0
+    return _lattice_meridian(lattice, ("cavity", "outer", "bottom", "axis"), cells)
+
+
+def _lattice_meridian(lattice: FloatArray, sides: tuple[str, str, str, str], cells: CellKind) -> SolidMesh:
+    """Mesh a lattice of nodes, shape (2 a + 1, 2 b + 1, 2); sides: second index low, high, first index low, high."""
+    stations, layers, _ = lattice.shape
+    points = lattice.reshape(-1, 2)
+    node = np.arange(len(points)).reshape(stations, layers)
+    quads = np.stack(
+        [node[i : stations - 2 + i : 2, j : layers - 2 + j : 2] for i in range(3) for j in range(3)], axis=-1
+    ).reshape(-1, 9)
+    if cells == "triangles":
+        numbers, _ = split_quadrilaterals(quads, node[[0, 0, -1, -1], [0, -1, 0, -1]], points)
+    else:
+        numbers = quads[:, 3 * QUADRILATERAL_NODES[:, 0] + QUADRILATERAL_NODES[:, 1]]
+    edges, tags = [], []
+    for name, line in zip(sides, (node[::2, 0], node[::2, -1], node[0, ::2], node[-1, ::2]), strict=True):
+        edges.append(np.column_stack([line[:-1], line[1:]]))
+        tags.append(np.full(len(line) - 1, FACETS[name]))
+    facet_tags = np.concatenate(tags)
+    return SolidMesh(
+        points=points,
+        cells=numbers,
+        regions=np.full(len(numbers), REGIONS["elastomer"]),
+        facets=np.sort(np.vstack(edges), axis=1),
+        facet_tags=facet_tags,
+        facet_bodies=np.full(len(facet_tags), -1),
+        tip_centre_node=int(node[-1, -1]),
+    )
+
+
+def block(size_mm: tuple[float, float, float], counts: tuple[int, int, int]) -> SolidMesh:
+    """A block 0 <= x, y, z <= size of 27-node hexahedra; all of its surface is ``outer``.
+
+    Parameters
+    ----------
+    size_mm
+        Edge lengths, mm.
+    counts
+        Cells along each edge.
+
+    Returns
+    -------
+    SolidMesh
+        ``tip_centre_node`` is the corner at the origin.
+    """
+    if not all(0.0 < size < math.inf for size in size_mm):
+        raise GeometryError(f"block of {size_mm} mm: every edge must be positive")
+    axes = [size * np.linspace(0.0, 1.0, 2 * n + 1) for size, n in zip(size_mm, counts, strict=True)]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    node = np.arange(len(points)).reshape([len(axis) for axis in axes])
+
+    def at(i: int, j: int, k: int) -> IntArray:
+        shape = node.shape
+        return node[i : shape[0] - 2 + i : 2, j : shape[1] - 2 + j : 2, k : shape[2] - 2 + k : 2].ravel()
+
+    cells = np.stack([at(*ijk) for ijk in HEXAHEDRON_NODES.tolist()], axis=1)
+    facets = []
+    for axis in range(3):
+        for end in (0, -1):
+            face = np.take(node, end, axis=axis)[::2, ::2]
+            corners = (face[:-1, :-1], face[1:, :-1], face[:-1, 1:], face[1:, 1:])
+            facets.append(np.stack([c.ravel() for c in corners], axis=1))
+    every = np.sort(np.vstack(facets), axis=1)
+    return SolidMesh(
+        points=points,
+        cells=cells,
+        regions=np.full(len(cells), REGIONS["elastomer"]),
+        facets=every,
+        facet_tags=np.full(len(every), FACETS["outer"]),
+        facet_bodies=np.full(len(every), -1),
+        tip_centre_node=0,
+    )
