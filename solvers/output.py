@@ -5,27 +5,35 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import basix
 import numpy as np
 
-from solvers.domain import FloatArray, IntArray, MeshArrays
-from solvers.state import State
+from solvers.compat import CELL_NAMES
+from solvers.domain import FloatArray, MeshArrays
+from solvers.state import State, pressure_at_corners
 
-# Reference positions of the ten (six) nodes in basix order, and VTK's order of the same nodes.
-_EDGES = {2: ((1, 2), (0, 2), (0, 1)), 3: ((2, 3), (1, 3), (1, 2), (0, 3), (0, 2), (0, 1))}
-_VTK_ORDER = {2: [0, 1, 2, 5, 3, 4], 3: [0, 1, 2, 3, 9, 6, 8, 7, 5, 4]}
-_VTK_TYPE = {2: 22, 3: 24}  # quadratic triangle, quadratic tetrahedron
+# VTK's number of a quadratic cell and its order of the nodes, in basix' numbers.
+_VTK = {
+    "triangle": (22, [0, 1, 2, 5, 3, 4]),
+    "tetrahedron": (24, [0, 1, 2, 3, 9, 6, 8, 7, 5, 4]),
+    "quadrilateral": (28, [0, 1, 3, 2, 4, 6, 7, 5, 8]),
+    "hexahedron": (
+        29,
+        [0, 1, 3, 2, 4, 5, 7, 6, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 15, 14, 22, 23, 21, 24, 20, 25, 26],
+    ),
+}
 
 
-def _gradients_at_nodes(dimension: int) -> FloatArray:
-    """Reference gradients of the quadratic shape functions at the nodes, shape (nodes, functions, d)."""
-    corners = np.vstack([np.zeros(dimension), np.eye(dimension)])
-    edges = _EDGES[dimension]
-    at = np.vstack([corners, [0.5 * (corners[i] + corners[j]) for i, j in edges]])
-    bary = np.column_stack([1.0 - at.sum(axis=1), at])
-    slope = np.vstack([-np.ones(dimension), np.eye(dimension)])
-    parts = [(4.0 * bary[:, i] - 1.0)[:, None] * slope[i] for i in range(dimension + 1)]
-    parts += [4.0 * (bary[:, i][:, None] * slope[j] + bary[:, j][:, None] * slope[i]) for i, j in edges]
-    return np.stack(parts, axis=1)
+def _cell_name(mesh: MeshArrays) -> str:
+    return CELL_NAMES[mesh.points.shape[1], mesh.cells.shape[1]]
+
+
+def _at_nodes(name: str, degree: int) -> FloatArray:
+    """Lagrange functions of a degree and their gradients at the quadratic nodes, shape (1 + d, nodes, functions)."""
+    cell = basix.cell.string_to_type(name)
+    nodes = basix.create_element(basix.ElementFamily.P, cell, 2, basix.LagrangeVariant.gll_warped).points
+    element = basix.create_element(basix.ElementFamily.P, cell, degree, basix.LagrangeVariant.gll_warped)
+    return np.asarray(element.tabulate(1, nodes))[..., 0]
 
 
 def principal_stretches(mesh: MeshArrays, state: State) -> FloatArray:
@@ -43,7 +51,7 @@ def principal_stretches(mesh: MeshArrays, state: State) -> FloatArray:
     ndarray
         Shape (nodes, 3).
     """
-    reference = _gradients_at_nodes(mesh.points.shape[1])
+    reference = np.moveaxis(_at_nodes(_cell_name(mesh), 2)[1:], 0, -1)
     sums = np.zeros((len(mesh.points), 3, 3))
     count = np.zeros(len(mesh.points))
     for first in range(0, len(mesh.cells), 20000):  # blocks keep the memory small
@@ -56,11 +64,13 @@ def principal_stretches(mesh: MeshArrays, state: State) -> FloatArray:
     return np.sqrt(np.linalg.eigvalsh(sums / count[:, None, None]))
 
 
-def pressure_on_all_nodes(cells: IntArray, dimension: int, corner_values: FloatArray) -> FloatArray:
-    """Linear pressure field at all nodes, from its values at the corners."""
-    values = corner_values.copy()
-    for k, (i, j) in enumerate(_EDGES[dimension]):
-        values[cells[:, dimension + 1 + k]] = 0.5 * (corner_values[cells[:, i]] + corner_values[cells[:, j]])
+def pressure_at_nodes(mesh: MeshArrays, state: State) -> FloatArray:
+    """Pressure at all nodes, linear between the corners and averaged there where it jumps, shape (nodes,), MPa."""
+    linear = _at_nodes(_cell_name(mesh), 1)[0]
+    corners = linear.shape[1]
+    at_corners = pressure_at_corners(state, mesh.cells, corners)
+    values = at_corners.copy()
+    values[mesh.cells] = at_corners[mesh.cells[:, :corners]] @ linear.T
     return values
 
 
@@ -72,14 +82,13 @@ def vtk_grid(mesh: MeshArrays, state: State) -> Any:
     """
     import pyvista
 
-    dimension = mesh.points.shape[1]
-    order = _VTK_ORDER[dimension]
-    grid = pyvista.UnstructuredGrid({_VTK_TYPE[dimension]: mesh.cells[:, order]}, mesh.points)
+    kind, order = _VTK[_cell_name(mesh)]
+    grid = pyvista.UnstructuredGrid({kind: mesh.cells[:, order]}, mesh.points)
     stretches = principal_stretches(mesh, state)
     grid.point_data["displacement_mm"] = state.displacement_mm
     grid.point_data["stretch_max"] = stretches[:, 2]
     grid.point_data["stretch_min"] = stretches[:, 0]
-    grid.point_data["pressure_kpa"] = 1e3 * pressure_on_all_nodes(mesh.cells, dimension, state.pressure_mpa)
+    grid.point_data["pressure_kpa"] = 1e3 * pressure_at_nodes(mesh, state)
     grid.cell_data["region"] = mesh.regions
     return grid
 

@@ -11,7 +11,8 @@ R -> R exp(W_j), variations for body unknown j (translation d_j, skew W_j) and t
     e_v = R' v,   e_j = -W_j y - R' d_j,   e_vj = -W_j R' v,   e_ij = sym(W_i W_j) y + W_j R' d_i + W_i R' d_j
 
 where y = e + X - c. The second variations matter: with linearised rotations the tractions of a pressurised wall on
-the ring make torsion and tilting look unstable. On a meridian a body only moves axially.
+the ring make torsion and tilting look unstable. On a meridian, and in a sector between planes of symmetry, a body
+only moves axially.
 """
 
 from __future__ import annotations
@@ -44,6 +45,8 @@ class RigidBodies:
         Axial position of each body's centre on the axis, shape (bodies,).
     arm_mm
         Length that turns rotations into displacements, so that all unknowns are in mm.
+    axial_only
+        True where symmetry leaves a body of a three-dimensional mesh only its axial motion, as in a sector.
     """
 
     normal_mpa_per_mm: float
@@ -51,6 +54,7 @@ class RigidBodies:
     grade: FloatArray
     centres_mm: FloatArray
     arm_mm: float
+    axial_only: bool = False
 
 
 class BondedBodies:
@@ -81,7 +85,7 @@ class BondedBodies:
         self.domain, self.comm = domain, domain.comm
         self.arm_mm = bodies.arm_mm
         self.count = len(bodies.centres_mm)
-        self.modes = 1 if domain.axisymmetric else 6
+        self.modes = 1 if domain.axisymmetric or bodies.axial_only else 6
         self.values = np.zeros((self.count, self.modes))
         mesh = domain.mesh
         self.cells = _cells_of_bodies(domain, self.count)

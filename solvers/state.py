@@ -25,8 +25,8 @@ class State:
         Pressure field p. Continuous: at corner nodes, zero elsewhere, shape (nodes,). With jumps between cells: at
         the corners of each cell, shape (cells, corners).
     bodies_mm
-        Motions of the rigid bodies, shape (bodies, modes): axial in 2D; x, y, z translation, then rotation
-        about x, y, z times the arm, in 3D.
+        Motions of the rigid bodies, shape (bodies, modes): axial on a meridian and in a sector; x, y, z
+        translation, then rotation about x, y, z times the arm, in full 3D.
     load_mpa
         Cavity pressure P.
     """

@@ -19,7 +19,7 @@ from analytical.bellows import BellowsError
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
 from studies import provenance, session
-from studies.plan import AROUND_LEVELS, RUNGS, Plan, Rung, describe, make_plan
+from studies.plan import RUNGS, Plan, Rung, around_levels, describe, make_plan
 from studies.progress import Progress
 from studies.results import write_text_atomically
 from studies.scene import Scene, SceneError, load_scene
@@ -40,12 +40,13 @@ def _out(text: str) -> None:
         click.echo(text)
 
 
-def _load(paths: tuple[Path, ...]) -> list[tuple[Scene, str]]:
-    """All scenes, or exit with every fault found; nothing has been written."""
+def _load(paths: tuple[Path, ...], rung: Rung | None = None) -> list[tuple[Scene, str]]:
+    """All scenes, or exit with every fault found, also of the asked rung; nothing has been written."""
     scenes, faults = [], []
     for path in paths:
         try:
             scenes.append((load_scene(path), path.read_text(encoding="utf-8")))
+            make_plan(scenes[-1][0], rung)
         except SceneError as error:
             faults.append(str(error))
     names = [scene.name for scene, _ in scenes]
@@ -92,7 +93,7 @@ def main() -> None:
 @RUNG_OPTION
 def plan(scene: Path, rung: Rung | None) -> None:
     """Print what would be solved for SCENE, what is skipped, and why."""
-    ((checked, _),) = _load((scene,))
+    ((checked, _),) = _load((scene,), rung)
     _out(describe(checked, make_plan(checked, rung)))
 
 
@@ -102,7 +103,7 @@ def plan(scene: Path, rung: Rung | None) -> None:
 @RUNG_OPTION
 def solve(scene: Path, out: Path, rung: Rung | None) -> None:
     """Solve SCENE; writes path.csv, summary.json and rows.csv into the output folder."""
-    ((checked, text),) = _load((scene,))
+    ((checked, text),) = _load((scene,), rung)
     _writable(out)
     sys.exit(_solve(checked, text, make_plan(checked, rung), out, MPI.COMM_WORLD))
 
@@ -143,7 +144,7 @@ def batch(scenes: tuple[Path, ...], out: Path, rung: Rung | None, ranks_per_scen
 
     Finished scenes are not repeated, so an interrupted batch goes on where it was. The exit code is the worst.
     """
-    checked = _load(scenes)
+    checked = _load(scenes, rung)
     _writable(out)
     world, size = MPI.COMM_WORLD, int(ranks_per_scene)
     if world.size % size:
@@ -168,11 +169,11 @@ def study(out: Path, smoke: bool) -> None:
     """Run the main study: both reference actuators, closed form, axisymmetric, full 3D; write its report."""
     folder = provenance.ROOT / "scenes"
     scenes = _load(tuple(folder / f"{name}.toml" for name in (SMOKE_SCENES if smoke else MAIN_SCENES)))
-    around = AROUND_LEVELS[:1] if smoke else AROUND_LEVELS
     _writable(out)
     code = 0
     for scene, text in scenes:
-        plan = make_plan(scene, "full3d", around)
+        levels = around_levels(scene)
+        plan = make_plan(scene, "full3d", levels[:1] if smoke else levels)
         code = max(code, _solve(scene, text, plan, out / scene.name, MPI.COMM_WORLD))
     if MPI.COMM_WORLD.rank == 0:
         write_text_atomically(out / "scenes.txt", "".join(f"{scene.name}\n" for scene, _ in scenes))

@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 
 import numpy as np
 from mpi4py import MPI
 
 from analytical.materials import SILICONE_DENSITY_G_CM3
-from meshes.meridian import default_resolution, meridian_mesh
+from meshes.errors import GeometryError
+from meshes.meridian import CellKind, default_resolution, meridian_mesh
 from meshes.quality import region_volumes_mm3
-from meshes.revolve import revolve_vector
+from meshes.revolve import revolve, revolve_scalar, revolve_vector
 from meshes.solid import FACETS, REGIONS, SolidMesh
+from meshes.sweep import FULL_CIRCLE, revolve_hexahedra
 from solvers.domain import create_domain
 from solvers.problem import SOFT, STIFF, Problem, Surfaces
 from solvers.rigid import RigidBodies
-from solvers.state import State
+from solvers.state import State, pressure_at_corners
 from studies.scene import (
     Scene,
     bond_grade,
     bond_stiffness,
+    in_hexahedra,
     inverse_kappa,
     law_of,
     ring_material,
@@ -33,7 +37,30 @@ def scene_meridian(scene: Scene, refinement: int) -> SolidMesh:
     """The meridian mesh of a scene at a refinement."""
     shape = shape_of(scene)
     ring = ring_shape(scene) if scene.rings.model == "meshed" else None
-    return meridian_mesh(shape, default_resolution(shape, refinement), ring)
+    cells: CellKind = "quadrilaterals" if in_hexahedra(scene) else "triangles"
+    return meridian_mesh(shape, default_resolution(shape, refinement, cells), ring, cells)
+
+
+# Sectors of one: the quarter, whose faces are the planes x = 0 and y = 0, held by components.
+SECTORS = {"full3d": 1, "sector": 4}
+
+
+def scene_body(meridian: SolidMesh, rung: str, around: int) -> SolidMesh:
+    """The body, or the sector of it, made from a meridian; ``around`` counts the cells in the whole circle.
+
+    Raises
+    ------
+    GeometryError
+        If the cells do not share out to the sector.
+    """
+    parts = SECTORS[rung]
+    if meridian.cell.name == "quadrilateral":
+        if around % parts:
+            raise GeometryError(f"cells round the circumference = {around}: must be a multiple of {parts} in a sector")
+        return revolve_hexahedra(meridian, around // parts, FULL_CIRCLE / parts)
+    if parts > 1:
+        raise GeometryError('a sector is meshed in hexahedra: set mesh.element = "hex" or "auto", and rigid rings')
+    return revolve(meridian, around)
 
 
 def scene_problem(scene: Scene, mesh: SolidMesh | None, comm: MPI.Comm) -> Problem:
@@ -44,36 +71,47 @@ def scene_problem(scene: Scene, mesh: SolidMesh | None, comm: MPI.Comm) -> Probl
         material_numbers = dataclasses.replace(mesh, regions=numbers)
     domain = create_domain(comm, material_numbers)
     stiff = ring_material(scene) if scene.rings.model == "meshed" else None
+    cut = bool(comm.bcast(None if mesh is None else FACETS["start"] in mesh.facet_tags))
     bodies = None
     if scene.rings.model == "rigid":
         shape = shape_of(scene)
         axial = comm.bcast(None if mesh is None else mesh.points[:, -1])
         normal, tangential = bond_stiffness(scene)
         bodies = RigidBodies(
-            normal, tangential, bond_grade(scene, axial), shape.crest_positions_mm, shape.seat_radius_mm
+            normal,
+            tangential,
+            bond_grade(scene, axial),
+            shape.crest_positions_mm,
+            shape.seat_radius_mm,
+            axial_only=cut,
         )
+    held: tuple[tuple[int, int], ...] = ((FACETS["axis"], 0),) if domain.axisymmetric else ()
+    if cut:
+        held = ((FACETS["start"], 1), (FACETS["end"], 0))
     surfaces = Surfaces(
         cavity=FACETS["cavity"],
         clamped=FACETS["clamped"],
         bond=FACETS["bond"] if bodies is not None else None,
-        held=((FACETS["axis"], 0),) if domain.axisymmetric else (),
+        held=held,
     )
     law = law_of(scene.material)
     return Problem(domain, law, inverse_kappa(scene.material), surfaces, stiff, bodies)
 
 
-def revolve_state(scene: Scene, state: State, body: SolidMesh) -> State:
-    """An axisymmetric state as a first guess on the revolved mesh."""
-    bodies = np.zeros((0, 0))
-    if scene.rings.model == "rigid":
-        bodies = np.zeros((len(state.bodies_mm), 6))
-        bodies[:, 2] = state.bodies_mm[:, 0]
-    return State(
-        revolve_vector(state.displacement_mm, body),
-        state.pressure_mpa[body.meridian_node],
-        bodies,
-        state.load_mpa,
-    )
+def revolve_state(state: State, meridian: SolidMesh, body: SolidMesh) -> State:
+    """An axisymmetric state as a first guess on the revolved mesh.
+
+    A pressure with jumps between cells is averaged at corners: displacements decide the guess, the pressure follows
+    from them in one Newton step.
+    """
+    motions = state.bodies_mm
+    if len(motions) and FACETS["start"] not in body.facet_tags:
+        motions = np.zeros((len(motions), 6))
+        motions[:, 2] = state.bodies_mm[:, 0]
+    pressure = revolve_scalar(pressure_at_corners(state, meridian.cells, meridian.cell.corners), body)
+    if state.pressure_mpa.ndim == 2:
+        pressure = pressure[body.cells[:, : body.cell.corners]]
+    return State(revolve_vector(state.displacement_mm, body), pressure, motions, state.load_mpa)
 
 
 class Tip:
@@ -86,7 +124,10 @@ class Tip:
             # area of the cone between two radii
             weight = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1) * (ends[:, 0, 0] + ends[:, 1, 0])
         else:
-            weight = np.linalg.norm(np.cross(ends[:, 1] - ends[:, 0], ends[:, 2] - ends[:, 0]), axis=1)
+            # The triangles of any three corners; of a quadrilateral's, each of the two diagonals' pairs fills it once.
+            weight = np.zeros(len(ends))
+            for a, b, c in itertools.combinations(range(ends.shape[1]), 3):
+                weight += np.linalg.norm(np.cross(ends[:, b] - ends[:, a], ends[:, c] - ends[:, a]), axis=1)
         self._facets, self._weight = facets, weight / weight.sum()
         self._centre = mesh.tip_centre_node
 

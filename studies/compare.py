@@ -38,12 +38,14 @@ def tip_convergence(runs: Sequence[Run], pressure_kpa: float, nominal_order: flo
     return from_two(sizes, values, nominal_order) if len(found) == 2 else UNKNOWN
 
 
-def scene_rows(scene: Scene, axisymmetric: Sequence[Run], full3d: Sequence[Run]) -> list[Row]:
+def scene_rows(
+    scene: Scene, axisymmetric: Sequence[Run], sector: Sequence[Run] = (), full3d: Sequence[Run] = ()
+) -> list[Row]:
     """All rows of a scene.
 
     Parameters
     ----------
-    axisymmetric, full3d
+    axisymmetric, sector, full3d
         Its runs, coarsest first.
 
     Returns
@@ -52,7 +54,8 @@ def scene_rows(scene: Scene, axisymmetric: Sequence[Run], full3d: Sequence[Run])
         Errors are against the finest full 3D run where it reached the pressure, else against the finest
         axisymmetric one.
     """
-    rows = [r for pressure in scene.load.pressure_kpa for r in _rows_at(scene, pressure, axisymmetric, full3d)]
+    pressures = scene.load.pressure_kpa
+    rows = [r for pressure in pressures for r in _rows_at(scene, pressure, axisymmetric, sector, full3d)]
     for run in axisymmetric[-1:]:
         # Reference: the paper's mass of "the actuator", printed once for all four.
         mass, printed = run.summary.silicone_g, paper.PRINTED_MASS_G if _printed(scene) else math.nan
@@ -63,12 +66,13 @@ def scene_rows(scene: Scene, axisymmetric: Sequence[Run], full3d: Sequence[Run])
     return rows
 
 
-def _rows_at(scene: Scene, pressure: float, axisymmetric: Sequence[Run], full3d: Sequence[Run]) -> list[Row]:
+def _rows_at(
+    scene: Scene, pressure: float, axisymmetric: Sequence[Run], sector: Sequence[Run], full3d: Sequence[Run]
+) -> list[Row]:
     """All rows of a scene at one pressure, kPa."""
     rows: list[Row] = []
     printed = _printed(scene)
     meridian = tip_convergence(axisymmetric, pressure, MERIDIAN_ORDER)
-    around = tip_convergence(full3d, pressure, AROUND_ORDER)
     finest_axi = tip_at(axisymmetric[-1], pressure) if axisymmetric else math.nan
     finest_3d = tip_at(full3d[-1], pressure) if full3d else math.nan
     reference, source = math.nan, ""
@@ -93,15 +97,17 @@ def _rows_at(scene: Scene, pressure: float, axisymmetric: Sequence[Run], full3d:
         value = tip_at(run, pressure)
         add("axisymmetric", value, run.summary.level, meridian.uncertainty(value), _status(run, value))
     base = tip_at(axisymmetric[0], pressure) if axisymmetric else math.nan
-    for run in full3d:
-        value = tip_at(run, pressure)
-        if len(full3d) == 1:
-            # one number round: its difference to the same meridian's axisymmetric value bounds its error
-            error_around = 3.0 * abs(value - base)
-        else:
-            error_around = around.uncertainty(value)
-        total = meridian.uncertainty(base) + error_around
-        add("full3d", value, run.summary.level, total, _status(run, value))
+    for runs in (sector, full3d):
+        around = tip_convergence(runs, pressure, AROUND_ORDER)
+        for run in runs:
+            value = tip_at(run, pressure)
+            if len(runs) == 1:
+                # one number round: its difference to the same meridian's axisymmetric value bounds its error
+                error_around = 3.0 * abs(value - base)
+            else:
+                error_around = around.uncertainty(value)
+            total = meridian.uncertainty(base) + error_around
+            add(run.summary.rung, value, run.summary.level, total, _status(run, value))
     if printed is not None and math.isclose(pressure, paper.PRINTED_PRESSURE_KPA):
         add("paper_closed_form", 10.0 * printed.closed_form_cm)
         add("paper_ansys", 10.0 * printed.ansys_cm)
@@ -112,7 +118,7 @@ def _rows_at(scene: Scene, pressure: float, axisymmetric: Sequence[Run], full3d:
             row(scene.name, "axisymmetric_full3d_gap_percent", "%", pressure, "axisymmetric", gap,
                 axisymmetric[-1].summary.level)
         )  # fmt: skip
-    for run in [*axisymmetric[-1:], *full3d[-1:]]:
+    for run in [*axisymmetric[-1:], *sector[-1:], *full3d[-1:]]:
         rows += _checks(scene, run, pressure)
     return rows
 

@@ -31,10 +31,24 @@ _RING_COLOUR = "#b8b8b8"
 _RIGID_COLOUR, _RIGID_EDGE = "#d8d8d8", "#303030"
 _SECTION_OFFSET = 1e-6  # of the body's size: beside the mesh's own faces, where a slice is well defined
 
-# Faces of a tetrahedron with ten nodes in VTK's order: three corners, then the three middles between them.
-_FACES = np.array([[0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [2, 0, 3, 6, 7, 9], [0, 2, 1, 6, 5, 4]])
-# Such a face as four flat triangles.
-_QUARTERS = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
+# By VTK's number of a quadratic cell: its faces, corners first, and a face as flat triangles.
+_FACES = {
+    24: np.array([[0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [2, 0, 3, 6, 7, 9], [0, 2, 1, 6, 5, 4]]),
+    29: np.array(
+        [
+            [0, 4, 7, 3, 16, 15, 19, 11, 20],
+            [1, 2, 6, 5, 9, 18, 13, 17, 21],
+            [0, 1, 5, 4, 8, 17, 12, 16, 22],
+            [3, 7, 6, 2, 19, 14, 18, 10, 23],
+            [0, 3, 2, 1, 11, 10, 9, 8, 24],
+            [4, 5, 6, 7, 12, 13, 14, 15, 25],
+        ]
+    ),
+}
+_FLAT = {
+    24: np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]),
+    29: np.array([[k, 4 + k, 8] for k in range(4)] + [[4 + k, (k + 1) % 4, 8] for k in range(4)]),
+}
 
 
 @dataclass(frozen=True)
@@ -155,16 +169,19 @@ def _body(still: Still) -> pyvista.UnstructuredGrid:
 
 
 def _surface(body: pyvista.UnstructuredGrid, cells: NDArray[np.bool_]) -> pyvista.PolyData:
-    """Outer faces of some of the cells as flat triangles, four to a curved face.
+    """Outer faces of some of the cells as flat triangles, four or eight to a curved face.
 
     VTK's own surface filter keeps most inner faces of ten-node tetrahedra, fifty times too many.
     """
     import pyvista
 
-    faces = body.cells_dict[pyvista.CellType.QUADRATIC_TETRA][cells][:, _FACES].reshape(-1, 6)
-    _, first, count = np.unique(np.sort(faces[:, :3], axis=1), axis=0, return_index=True, return_counts=True)
+    ((kind, nodes),) = body.cells_dict.items()
+    faces = nodes[cells][:, _FACES[kind]].reshape(-1, _FACES[kind].shape[1])
+    # three corners tell two faces apart, whatever their kind
+    names = np.sort(np.sort(faces[:, : 4 if kind == 29 else 3], axis=1)[:, :3], axis=1)
+    _, first, count = np.unique(names, axis=0, return_index=True, return_counts=True)
     outer = faces[first[count == 1]]
-    used, triangles = np.unique(outer[:, _QUARTERS].reshape(-1, 3), return_inverse=True)
+    used, triangles = np.unique(outer[:, _FLAT[kind]].reshape(-1, 3), return_inverse=True)
     surface = pyvista.PolyData.from_regular_faces(body.points[used], triangles.reshape(-1, 3))
     surface["stretch_max"] = body["stretch_max"][used]
     return surface

@@ -23,7 +23,8 @@ class Row:
     pressure_kpa
         Cavity pressure.
     rung
-        ``closed_form``, ``closed_form_seat``, ``axisymmetric``, ``full3d``, or ``paper_…`` for printed values.
+        ``closed_form``, ``closed_form_seat``, ``axisymmetric``, ``sector``, ``full3d``, or ``paper_…`` for printed
+        values.
     level
         Mesh or variant within the rung, for instance ``r4`` or ``n24``; empty if there is one only.
     value

@@ -1,4 +1,4 @@
-"""Runs of one scene: an axisymmetric path on one mesh, a full 3D body at the asked pressures.
+"""Runs of one scene: an axisymmetric path on one mesh, a full 3D body or a sector of it at the asked pressures.
 
 A run is kept in a folder of its own. Its states are written as they converge; a run that was interrupted goes
 on after its last state, and a finished one with the same content hash is not repeated.
@@ -14,14 +14,13 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from mpi4py import MPI
 
 from analytical.bellows import closed_form
 from meshes.quality import mesh_quality
-from meshes.revolve import revolve
 from meshes.solid import SolidMesh
 from solvers.errors import SolverError
 from solvers.linear import Factor
@@ -31,7 +30,7 @@ from solvers.path import PathSettings, PathState, follow_guesses, follow_path
 from solvers.problem import Problem
 from solvers.state import State
 from studies import provenance
-from studies.build import Tip, masses_g, revolve_state, scene_meridian, scene_problem
+from studies.build import SECTORS, Tip, masses_g, revolve_state, scene_body, scene_meridian, scene_problem
 from studies.progress import Progress
 from studies.results import (
     FIELDS_FOLDER,
@@ -110,16 +109,17 @@ def _stamp(comm: MPI.Comm) -> dict[str, Any]:
     }
 
 
-def _path_row(tip: Tip, item: PathState) -> PathRow:
+def _path_row(tip: Tip, item: PathState, parts: int = 1) -> PathRow:
+    """A row of path.csv; volume, energy and reaction are those of the whole, of which a sector is one of ``parts``."""
     return PathRow(
         pressure_kpa=1e3 * item.state.load_mpa,
         control=item.control,
         tip_mm=tip.mean_mm(item.state),
         tip_centre_mm=tip.centre_mm(item.state),
         tip_force_n=0.0,
-        volume_mm3=item.volume_mm3,
-        energy_mj=item.energy_mj,
-        reaction_n=item.reaction_n,
+        volume_mm3=parts * item.volume_mm3,
+        energy_mj=parts * item.energy_mj,
+        reaction_n=parts * item.reaction_n,
         min_det_f=item.newton.min_det_f,
         min_gap_mm=math.nan,
         unstable_modes=float(item.newton.excess_negatives),
@@ -252,8 +252,9 @@ def _solve_axisymmetric(scene: Scene, refinement: int, folder: Path, progress: P
     return _finish(job, problem, factor, path, rows, mesh, mesh)
 
 
-def run_full3d(
+def run_body(
     scene: Scene,
+    rung: Literal["sector", "full3d"],
     around: int,
     meridian_run: Path,
     folder: Path,
@@ -261,12 +262,14 @@ def run_full3d(
     progress: Progress,
     plan: Sequence[str],
 ) -> Run:
-    """The full body at the asked pressures, each from the revolved axisymmetric state; all ranks take part.
+    """The body or a sector of it at the asked pressures, each from the revolved axisymmetric state; all ranks.
 
     Parameters
     ----------
+    rung
+        The whole body, or the quarter between two planes of symmetry.
     around
-        Cells round the circumference.
+        Cells round the circumference, of the whole.
     meridian_run
         Folder of the axisymmetric run on level r1, whose states are the first guesses.
     folder
@@ -278,23 +281,23 @@ def run_full3d(
     """
     level = f"n{around}"
     meridian_hash = run_hash(scene, "axisymmetric", "r1")
-    done = comm.bcast(finished_run(folder, run_hash(scene, "full3d", level)) if comm.rank == 0 else None)
+    done = comm.bcast(finished_run(folder, run_hash(scene, rung, level)) if comm.rank == 0 else None)
     if done is not None:
         if comm.rank == 0:
             _add_missing_fields(scene, around, folder, done)
         return done
-    job = _begin(scene, "full3d", level, folder, plan, progress)
+    job = _begin(scene, rung, level, folder, plan, progress)
 
     # Every rank makes the mesh: it takes a second, and all need it to read and to write states.
     meridian = comm.bcast(scene_meridian(scene, 1) if comm.rank == 0 else None)
-    body = revolve(meridian, around)
+    body = scene_body(meridian, rung, around)
     guesses: list[State] = []
     found: list[tuple[State, PathRow]] = []
     for pressure in scene.pressures_mpa:
         saved = comm.bcast(load_state(meridian_run, meridian_hash, pressure) if comm.rank == 0 else None)
         if saved is None:
             break
-        guesses.append(revolve_state(scene, saved[0], body))
+        guesses.append(revolve_state(saved[0], meridian, body))
         kept = comm.bcast(load_state(folder, job.content_hash, pressure) if comm.rank == 0 else None)
         if kept is not None and len(found) == len(guesses) - 1:
             found.append(kept)
@@ -306,7 +309,7 @@ def run_full3d(
     rows = [row for _, row in found]
 
     def keep(item: PathState) -> None:
-        rows.append(_path_row(tip, item))
+        rows.append(_path_row(tip, item, SECTORS[rung]))
         progress.state(item.state.load_mpa)
         if item.asked and comm.rank == 0:
             with problem.timer("output"):
@@ -327,7 +330,7 @@ def _add_missing_fields(scene: Scene, around: int, folder: Path, run: Run) -> No
     missing = [p for p in reached if not _field_file(folder, 1e-3 * p).exists()]
     if not scene.ask.fields or not missing:
         return
-    body = revolve(scene_meridian(scene, 1), around)
+    body = scene_body(scene_meridian(scene, 1), run.summary.rung, around)
     for pressure in missing:
         saved = load_state(folder, run.summary.content_hash, 1e-3 * pressure)
         if saved is not None:
@@ -398,7 +401,7 @@ def _finish(
             **_stamp(comm),
         )
         write_path(job.folder, rows)
-        if scene.ask.fields and job.rung == "full3d":
+        if scene.ask.fields and job.rung in SECTORS:
             _write_collection(job.folder, scene.load.pressure_kpa)
         write_summary(job.folder, summary)
     summary = comm.bcast(summary)

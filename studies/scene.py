@@ -78,6 +78,15 @@ class Rings(_Section):
     edge_radius_mm: Annotated[float, Field(ge=0.0, le=100.0)] = 0.5
 
 
+class Mesh(_Section):
+    """Kind of cells: hexahedra (quadrilaterals on the meridian), or tetrahedra (triangles) as in the paper.
+
+    ``auto`` takes hexahedra unless the rings are meshed.
+    """
+
+    element: Literal["auto", "hex", "tet"] = "auto"
+
+
 class YeohMaterial(_Section):
     """W = sum C_i (I1 - 3)^i; initial shear modulus 2 C1."""
 
@@ -131,6 +140,7 @@ class Scene(_Section):
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$")]
     geometry: Geometry
     rings: Rings = Rings()
+    mesh: Mesh = Mesh()
     material: Annotated[YeohMaterial | OgdenMaterial | NeoHookeMaterial, Field(discriminator="law")]
     load: Load
     ask: Ask = Ask()
@@ -191,6 +201,11 @@ def dimensions_of(scene: Scene) -> BellowsDimensions:
     """The dimensions of the closed form."""
     g = scene.geometry
     return BellowsDimensions(g.root_radius_mm, g.crest_radius_mm, g.wall_mm, g.half_pitch_mm, g.convolutions)
+
+
+def in_hexahedra(scene: Scene) -> bool:
+    """True for quadrilaterals and hexahedra, False for triangles and tetrahedra."""
+    return scene.mesh.element == "hex" or (scene.mesh.element == "auto" and scene.rings.model != "meshed")
 
 
 def ring_material(scene: Scene) -> StiffSolid:
@@ -260,6 +275,8 @@ def _faults(scene: Scene) -> list[str]:
             f"rings.edge_radius_mm = {rings.edge_radius_mm:g}: must be less than height_mm = {rings.height_mm:g} "
             f"and half of seat_mm = {rings.seat_mm:g}"
         )
+    if rings.model == "meshed" and scene.mesh.element == "hex":
+        faults.append('mesh.element = "hex": meshed rings need "tet" (or "auto"), or rings.model = "rigid"')
     if rings.bond_grading_mm > 0.5 * rings.seat_mm:
         faults.append(
             f"rings.bond_grading_mm = {rings.bond_grading_mm:g}: must be at most half of seat_mm = {rings.seat_mm:g}"
@@ -309,7 +326,13 @@ def _explain(error: ValidationError) -> list[str]:
 
 
 def _allowed_keys(location: tuple[Any, ...]) -> list[str]:
-    sections: dict[str, type[_Section]] = {"geometry": Geometry, "rings": Rings, "load": Load, "ask": Ask}
+    sections: dict[str, type[_Section]] = {
+        "geometry": Geometry,
+        "rings": Rings,
+        "mesh": Mesh,
+        "load": Load,
+        "ask": Ask,
+    }
     materials: dict[str, type[_Section]] = {"yeoh": YeohMaterial, "ogden": OgdenMaterial, "neo-hooke": NeoHookeMaterial}
     if len(location) == 1:
         return list(Scene.model_fields)

@@ -19,7 +19,7 @@ from studies.progress import Progress
 from studies.report import SceneReport, write_report
 from studies.results import PATH_FILE, SUMMARY_FILE, PathRow, fineness, read_path, read_summary
 from studies.rows import Row, write_rows
-from studies.runs import Run, field_files, run_axisymmetric, run_closed_form, run_full3d
+from studies.runs import Run, field_files, run_axisymmetric, run_body, run_closed_form
 from studies.scene import Scene, load_scene, shape_of
 from studies.states import load_state
 
@@ -32,13 +32,14 @@ class SceneResult:
 
     scene: Scene
     axisymmetric: tuple[Run, ...]
+    sector: tuple[Run, ...]
     full3d: tuple[Run, ...]
     rows: tuple[Row, ...]
 
     @property
     def answer(self) -> Run | None:
         """The run whose result is the answer: the finest of the highest rung."""
-        runs = self.full3d or self.axisymmetric
+        runs = self.full3d or self.sector or self.axisymmetric
         return runs[-1] if runs else None
 
     @property
@@ -72,22 +73,17 @@ def run_plan(
         if plan.stop_when_met and len(axisymmetric) == 2 and _within_tolerance(scene, axisymmetric):
             break
         axisymmetric.append(run_axisymmetric(scene, level, folder / f"axisymmetric-r{level}", comm, progress))
-    full3d = [
-        run_full3d(
-            scene,
-            around,
-            folder / f"axisymmetric-r{MERIDIAN_LEVELS[0]}",
-            folder / f"full3d-n{around}",
-            comm,
-            progress,
-            plan.skipped,
-        )
-        for around in plan.around_levels
-    ]
+    solid: dict[str, list[Run]] = {"sector": [], "full3d": []}
+    if plan.rung == "sector" or plan.rung == "full3d":
+        base = folder / f"axisymmetric-r{MERIDIAN_LEVELS[0]}"
+        solid[plan.rung] = [
+            run_body(scene, plan.rung, n, base, folder / f"{plan.rung}-n{n}", comm, progress, plan.skipped)
+            for n in plan.around_levels
+        ]
     if plan.rung == "closed_form":
         run_closed_form(scene, folder, comm)
-    rows = scene_rows(scene, axisymmetric, full3d)
-    result = SceneResult(scene, tuple(axisymmetric), tuple(full3d), tuple(rows))
+    rows = scene_rows(scene, axisymmetric, **solid)
+    result = SceneResult(scene, tuple(axisymmetric), tuple(solid["sector"]), tuple(solid["full3d"]), tuple(rows))
     if comm.rank == 0:
         write_rows(folder / ROWS_FILE, rows)
         if result.answer is not None:
@@ -100,7 +96,7 @@ def run_plan(
 
 def _within_tolerance(scene: Scene, runs: Sequence[Run]) -> bool:
     """True if the finest run's uncertainty from its two levels is within the scene's tolerance everywhere."""
-    rows = [r for r in scene_rows(scene, runs, []) if r.rung == "axisymmetric" and r.quantity == "tip_mm"]
+    rows = [r for r in scene_rows(scene, runs) if r.rung == "axisymmetric" and r.quantity == "tip_mm"]
     finest = [r for r in rows if r.level == runs[-1].summary.level]
     return all(r.uncertainty <= 0.01 * scene.ask.tolerance_percent * abs(r.value) for r in finest)
 
@@ -121,8 +117,9 @@ def read_scene_folder(folder: Path) -> SceneResult:
     found = [_read_run(p.parent) for p in sorted(folder.glob(f"*-*/{SUMMARY_FILE}"))]
     runs = sorted(found, key=lambda r: fineness(r.summary.level))
     axisymmetric = tuple(r for r in runs if r.summary.rung == "axisymmetric")
+    sector = tuple(r for r in runs if r.summary.rung == "sector")
     full3d = tuple(r for r in runs if r.summary.rung == "full3d")
-    return SceneResult(scene, axisymmetric, full3d, tuple(scene_rows(scene, axisymmetric, full3d)))
+    return SceneResult(scene, axisymmetric, sector, full3d, tuple(scene_rows(scene, axisymmetric, sector, full3d)))
 
 
 def _ring_boxes(
@@ -153,7 +150,7 @@ def render(folder: Path, title: str, introduction: str, scene_folders: Sequence[
     total = 0.0
     for scene_folder in scene_folders:
         result = read_scene_folder(scene_folder)
-        runs = [*result.axisymmetric, *result.full3d]
+        runs = [*result.axisymmetric, *result.sector, *result.full3d]
         total += sum(run.summary.time_s["total"] for run in runs)
         paths: dict[str, list[PathRow]] = {f"{run.summary.rung} {run.summary.level}": list(run.path) for run in runs}
         fields: dict[float, Path] = {}

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from meshes.bellows import BellowsShape
+from meshes.cells import HEXAHEDRON_NODES, QUADRILATERAL_NODES
 from meshes.meridian import Resolution, meridian_mesh
 from meshes.revolve import revolve
 from meshes.solid import TETRAHEDRON_EDGES, TRIANGLE_EDGES, SolidMesh
@@ -75,8 +76,8 @@ def boundary_of():
     return _boundary
 
 
-def _strip(inner, outer, height, n_r, n_z, warp=0.0) -> SolidMesh:
-    """Rectangle [inner, outer] x [0, height] of quadratic triangles; ``warp`` curves the cells inside it."""
+def _strip(inner, outer, height, n_r, n_z, warp=0.0, quadrilaterals=False) -> SolidMesh:
+    """Rectangle [inner, outer] x [0, height] of quadratic cells; ``warp`` curves the cells inside it."""
     s, t = np.meshgrid(np.linspace(0, 1, 2 * n_r + 1), np.linspace(0, 1, 2 * n_z + 1), indexing="ij")
     bulge = warp * np.sin(np.pi * s) * np.sin(np.pi * t)
     r = inner + (outer - inner) * (s + bulge)
@@ -90,6 +91,8 @@ def _strip(inner, outer, height, n_r, n_z, warp=0.0) -> SolidMesh:
     lower = [at(0, 0), at(2, 0), at(2, 2), at(2, 1), at(1, 1), at(1, 0)]
     upper = [at(0, 0), at(2, 2), at(0, 2), at(1, 2), at(0, 1), at(1, 1)]
     cells = np.vstack([np.column_stack(lower), np.column_stack(upper)])
+    if quadrilaterals:
+        cells = np.column_stack([at(i, j) for i, j in QUADRILATERAL_NODES])
     edges, tags = [], []
     for number, line in (
         (SIDES.cavity, node[0, ::2]),
@@ -146,12 +149,32 @@ def _shape_functions(dimension, at):
     return bary, np.stack(values, axis=1), np.stack(slopes, axis=1)
 
 
-def _rule(dimension, count=5):
-    """Gauss points of the cube collapsed to the simplex: exact to degree 2 count - d."""
+def _box_functions(dimension, at):
+    """The same on the square and the cube, (q, 2^d) and (q, 3^d): powers fitted to the nodes."""
+    nodes = 0.5 * (QUADRILATERAL_NODES if dimension == 2 else HEXAHEDRON_NODES)
+    powers = np.array(list(np.ndindex(*[3] * dimension)))
+
+    def monomials(x):
+        return np.prod(x[:, None, :] ** powers, axis=-1)
+
+    coefficients = np.linalg.inv(monomials(nodes))
+    slopes = []
+    for i in range(dimension):
+        lower = np.maximum(powers - np.eye(dimension, dtype=int)[i], 0)
+        slopes.append((powers[:, i] * np.prod(at[:, None, :] ** lower, axis=-1)) @ coefficients)
+    corners = nodes[: 2**dimension]
+    linear = np.prod(np.where(corners == 1.0, at[:, None, :], 1.0 - at[:, None, :]), axis=-1)
+    return linear, monomials(at) @ coefficients, np.stack(slopes, axis=-1)
+
+
+def _rule(dimension, box, count=5):
+    """Gauss points of the cube, collapsed to the simplex (exact to degree 2 count - d) or not."""
     x, w = np.polynomial.legendre.leggauss(count)
     x, w = 0.5 * (x + 1.0), 0.5 * w
     grids = np.stack(np.meshgrid(*[x] * dimension, indexing="ij"), axis=-1).reshape(-1, dimension)
     weights = np.prod(np.stack(np.meshgrid(*[w] * dimension, indexing="ij"), axis=-1), axis=-1).ravel()
+    if box:
+        return grids, weights
     at = np.empty_like(grids)
     left = np.ones(len(grids))
     for axis in range(dimension):
@@ -167,13 +190,17 @@ def rms_errors():
 
     def measure(mesh, state, displacement, pressure):
         d = mesh.dimension
-        at, weights = _rule(d)
-        linear, quadratic, slopes = _shape_functions(d, at)
+        box = mesh.cell.corners > d + 1
+        at, weights = _rule(d, box)
+        linear, quadratic, slopes = (_box_functions if box else _shape_functions)(d, at)
         x = np.einsum("cki,qk->cqi", mesh.points[mesh.cells], quadratic)
         jacobian = np.einsum("cki,qkj->cqij", mesh.points[mesh.cells], slopes)
         dx = np.abs(np.linalg.det(jacobian)) * weights
         u = np.einsum("cki,qk->cqi", state.displacement_mm[mesh.cells], quadratic)
-        p = np.einsum("ck,qk->cq", state.pressure_mpa[mesh.cells[:, : d + 1]], linear)
+        p_corners = state.pressure_mpa
+        if p_corners.ndim == 1:  # continuous
+            p_corners = p_corners[mesh.cells[:, : d + 1]]
+        p = np.einsum("ck,qk->cq", p_corners, linear)
         u_error = ((u - displacement(x)) ** 2).sum(axis=-1)
         p_error = (p - pressure(x)) ** 2
         size = dx.sum()
@@ -193,10 +220,10 @@ def make_problem():
     from solvers.domain import create_domain
     from solvers.problem import Problem, Surfaces
 
-    def make(mesh, law, inverse_kappa=0.0, *, regions=None, stiff=None, bodies=None, **surfaces):
+    def make(mesh, law, inverse_kappa=0.0, *, regions=None, stiff=None, bodies=None, element=None, **surfaces):
         cells = np.ones(len(mesh.cells), dtype=np.int64) if regions is None else regions
         domain = create_domain(MPI.COMM_SELF, dataclasses.replace(mesh, regions=cells))
-        return Problem(domain, law, inverse_kappa, Surfaces(**surfaces), stiff, bodies)
+        return Problem(domain, law, inverse_kappa, Surfaces(**surfaces), stiff, bodies, element)
 
     return make
 

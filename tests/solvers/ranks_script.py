@@ -1,9 +1,13 @@
-"""Run under mpirun by test_ranks.py: a small bellows in 3D on as many ranks as there are; prints one JSON line."""
+"""Run under mpirun by test_ranks.py: a small bellows in 3D on as many ranks as there are; prints one JSON line.
+
+Argument: ``tetrahedra`` or ``hexahedra``.
+"""
 
 from __future__ import annotations
 
 import dataclasses
 import json
+import sys
 
 import numpy as np
 from mpi4py import MPI
@@ -11,15 +15,16 @@ from mpi4py import MPI
 from analytical.materials import DRAGON_SKIN_10
 from meshes.bellows import BellowsShape
 from meshes.meridian import Resolution, meridian_mesh
-from meshes.revolve import revolve, revolve_vector
+from meshes.revolve import revolve, revolve_scalar, revolve_vector
 from meshes.solid import FACETS, SolidMesh
+from meshes.sweep import revolve_hexahedra
 from solvers.domain import create_domain
 from solvers.linear import Factor
 from solvers.newton import NewtonSettings
 from solvers.path import PathSettings, follow_guesses, follow_path
 from solvers.problem import Problem, Surfaces
 from solvers.rigid import RigidBodies
-from solvers.state import State
+from solvers.state import State, pressure_at_corners
 
 SHAPE = BellowsShape(5.0, 10.5, 1.0, 5.0, 1, 3.0, 4.0, 0.5, 5.0)
 SETTINGS = PathSettings(newton=NewtonSettings(relative_tolerance=1e-11))
@@ -37,8 +42,10 @@ def solver(comm: MPI.Comm, mesh: SolidMesh | None) -> tuple[Problem, Factor]:
 
 def main() -> None:
     comm = MPI.COMM_WORLD
-    meridian = meridian_mesh(SHAPE, Resolution(through=2, cell_mm=1.5, arc_rad=0.8, cap_cells=2))
-    body = revolve(meridian, 8)
+    hexahedra = sys.argv[1] == "hexahedra"
+    resolution = Resolution(through=2, cell_mm=1.5, arc_rad=0.8, cap_cells=2)
+    meridian = meridian_mesh(SHAPE, resolution, cells="quadrilaterals" if hexahedra else "triangles")
+    body = revolve_hexahedra(meridian, 8, core_columns=1) if hexahedra else revolve(meridian, 8)
     guess = None
     if comm.rank == 0:
         path = follow_path(*solver(MPI.COMM_SELF, meridian), [0.005], SETTINGS)
@@ -46,7 +53,8 @@ def main() -> None:
         motions = np.zeros((2, 6))
         motions[:, 2] = flat.bodies_mm[:, 0]
         u = revolve_vector(flat.displacement_mm, body)
-        guess = State(u, flat.pressure_mpa[body.meridian_node], motions, flat.load_mpa)
+        p = revolve_scalar(pressure_at_corners(flat, meridian.cells, meridian.cell.corners), body)
+        guess = State(u, p[body.cells[:, :8]] if hexahedra else p, motions, flat.load_mpa)
     guess = comm.bcast(guess)
     problem, factor = solver(comm, body if comm.rank == 0 else None)
     path = follow_guesses(problem, factor, [guess], SETTINGS)

@@ -14,7 +14,7 @@ import pytest
 SCRIPT = Path(__file__).with_name("ranks_script.py")
 
 
-def run(root: Path, ranks: int) -> dict:
+def run(root: Path, ranks: int, cells: str) -> dict:
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
     environment |= {
         "OPENBLAS_NUM_THREADS": "1",
@@ -24,15 +24,16 @@ def run(root: Path, ranks: int) -> dict:
         "OMPI_MCA_hwloc_base_binding_policy": "none",
         "PYTHONPATH": str(root),
     }
-    command = ["mpirun", "-n", str(ranks), sys.executable, str(SCRIPT)]
+    command = ["mpirun", "-n", str(ranks), sys.executable, str(SCRIPT), cells]
     done = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True, timeout=280, check=False)
     assert done.returncode == 0, done.stderr[-2000:]
     return json.loads(done.stdout.splitlines()[-1])
 
 
 @pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun")
-def test_one_and_two_ranks_agree(root: Path) -> None:
-    one, two = run(root, 1), run(root, 2)
+@pytest.mark.parametrize("cells", ["tetrahedra", "hexahedra"])
+def test_one_and_two_ranks_agree(root: Path, cells: str) -> None:
+    one, two = run(root, 1, cells), run(root, 2, cells)
     assert (one["ranks"], two["ranks"]) == (1, 2)
     assert one["reached"] and two["reached"]
     for name in ("tip_mm", "volume_mm3", "energy_mj", "reaction_n", "body_mm", "min_det_f"):

@@ -63,7 +63,7 @@ def test_rows_state_uncertainty_beside_every_fem_value(solved):
 def test_fields_open_and_carry_the_stretch(solved):
     import pyvista
 
-    files = sorted((solved / "full3d-n12" / "fields").glob("*.vtu"))
+    files = sorted((solved / "full3d-n8" / "fields").glob("*.vtu"))
     assert [f.name for f in files] == ["p05.000.vtu", "p10.000.vtu"]
     grid = pyvista.read(files[-1])
     assert grid.point_data["stretch_max"].max() > 1.1
@@ -82,7 +82,7 @@ def test_interrupted_run_goes_on_to_the_same_answer(small_scene, solved, tmp_pat
 
     copy = tmp_path / "interrupted"
     shutil.copytree(solved, copy)
-    run = copy / "full3d-n12"
+    run = copy / "full3d-n8"
     expected = read_path(run)[-1]
     # as after a kill between the two states: no summary, no path, a truncated second state
     (run / "summary.json").unlink()
@@ -192,12 +192,12 @@ def test_fields_asked_for_later_are_written_from_the_kept_states(small_scene, so
 
     copy = tmp_path / "copy"
     shutil.copytree(solved, copy)
-    shutil.rmtree(copy / "full3d-n12" / "fields")
-    before = (copy / "full3d-n12" / "summary.json").read_bytes()
+    shutil.rmtree(copy / "full3d-n8" / "fields")
+    before = (copy / "full3d-n8" / "summary.json").read_bytes()
     result = CliRunner().invoke(main, ["solve", str(small_scene), "--out", str(copy), "--rung", "full3d"])
     assert result.exit_code == 0
-    assert len(list((copy / "full3d-n12" / "fields").glob("*.vtu"))) == 2
-    assert (copy / "full3d-n12" / "summary.json").read_bytes() == before
+    assert len(list((copy / "full3d-n8" / "fields").glob("*.vtu"))) == 2
+    assert (copy / "full3d-n8" / "summary.json").read_bytes() == before
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
