@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import time
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+
+import numpy as np
 
 from solvers.domain import FloatArray
 
@@ -25,13 +27,24 @@ class State:
         Motions of the rigid bodies, shape (bodies, modes): axial in 2D; x, y, z translation, then rotation
         about x, y, z times the arm, in 3D.
     load_mpa
-        Cavity pressure P.
+        Load factor P: the cavity pressure, or see solvers.loads.
     """
 
     displacement_mm: FloatArray
     pressure_mpa: FloatArray
     bodies_mm: FloatArray
     load_mpa: float
+
+
+def combine(states: Sequence[State], weights: Sequence[float]) -> State:
+    """Weighted sum of states (rotations of bodies as vectors: for first guesses, not for results)."""
+    pairs = list(zip(states, weights, strict=True))
+    return State(
+        np.asarray(sum(w * s.displacement_mm for s, w in pairs)),
+        np.asarray(sum(w * s.pressure_mpa for s, w in pairs)),
+        np.asarray(sum(w * s.bodies_mm for s, w in pairs)),
+        float(sum(w * s.load_mpa for s, w in pairs)),
+    )
 
 
 @dataclass
