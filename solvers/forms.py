@@ -1,16 +1,11 @@
-"""Weak forms of the split displacement-pressure formulation with a follower cavity pressure.
+"""Weak forms of the split displacement-pressure formulation.
 
 Potential (docs/decisions.md says why this form):
 
     Pi(u, p) = int [ W(I1, I2) + p (J - 1) - p^2 / (2 kappa) ] dX  +  int_stiff psi dX
-             -  P V(u)          (+ the bond energy of rigid bodies, see solvers.rigid)
+             -  P g(u)          (see solvers.loads)   (+ the bond energy of rigid bodies, see solvers.rigid)
 
-with isochoric invariants I1, I2. ``1/kappa = 0`` is allowed. P acts on the cavity as a follower load with the
-potential -P V; V is the enclosed volume
-
-    V(u) = -1/2 int_cavity (x, y, 0) . cof F N dA        (N out of the solid, into the cavity)
-
-which is exact when the surface is closed by planes z = const that are not meshed.
+with isochoric invariants I1, I2. ``1/kappa = 0`` is allowed.
 """
 
 from __future__ import annotations
@@ -97,11 +92,8 @@ class Forms:
     """Compiled-ready UFL forms of a problem; names say what each assembles to."""
 
     internal_force: Any
-    volume_gradient: Any
-    traction_load: Any
     tangent: Any
     energy: Any
-    volume: Any
 
 
 def build_forms(
@@ -110,11 +102,10 @@ def build_forms(
     kin: Kinematics,
     law: CompiledLaw,
     inverse_kappa: Any,
-    pressure: Any,
     stiff: StiffSolid | None,
     measures: dict[str, Any],
 ) -> Forms:
-    """Forms of the potential in this module's heading.
+    """Forms of the potential in this module's heading, without the load and the bodies.
 
     Parameters
     ----------
@@ -122,19 +113,16 @@ def build_forms(
         Mixed space and the state (u, p) in it.
     kin, law
         Kinematics of the mesh and the soft material.
-    inverse_kappa, pressure
-        UFL constants: 1/kappa (1/MPa) and the cavity pressure P (MPa).
+    inverse_kappa
+        UFL constant 1/kappa, 1/MPa.
     stiff
         Compressible solid on the measure ``stiff``: neo-Hooke ``mu/2 (I1 - 3 - 2 ln J) + lambda/2 (J - 1)^2``.
     measures
-        ``soft``, ``stiff`` (cells) and ``cavity`` (facets).
+        ``soft`` and ``stiff``.
 
     Returns
     -------
     Forms
-        ``internal_force`` leaves the pressure load out; the residual is internal_force - P volume_gradient.
-        ``traction_load`` is the force of a unit cavity pressure without use of the potential; it equals
-        ``volume_gradient`` on all directions that respect the constraints of a closed cavity.
     """
     u, p = ufl.split(state)
     v, q = ufl.TestFunctions(space)
@@ -169,10 +157,4 @@ def build_forms(
         internal += ufl.inner(stress, grad_v) * m * dxs
         tangent += ufl.inner(stress_increment, grad_v) * m * dxs
         energy += stored * dxs
-
-    volume = -0.5 * ufl.inner(kin.transverse_position(u), k.cof * kin.normal) * m * measures["cavity"]
-    volume_gradient = ufl.derivative(volume, state, ufl.TestFunction(space))
-    tangent += -pressure * ufl.derivative(volume_gradient, state, ufl.TrialFunction(space))
-
-    traction_load = -ufl.inner(k.cof * kin.normal, kin.three(v)) * m * measures["cavity"]
-    return Forms(internal, volume_gradient, traction_load, tangent, energy, volume)
+    return Forms(internal, tangent, energy)

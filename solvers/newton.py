@@ -1,7 +1,8 @@
-"""Newton's method at a given cavity pressure or a given cavity volume, with every failure caught.
+"""Newton's method at a given load or a given volume of the load, with every failure caught.
 
-Volume control solves for the pressure too. With K the tangent, R the residual, g = dV/dw: a = K^-1 R and
-b = K^-1 g give ``dP = (V* - V + g.a) / (g.b)`` and ``dw = -a + b dP`` from one factorisation.
+Volume control solves for the load factor P too. With K the tangent, R the residual, f the force of a unit load and
+g = dV/dw (f = g if the load is conservative), a = K^-1 R and b = K^-1 f give ``dP = (V* - V + g.a) / (g.b)`` and
+``dw = -a + b dP`` from one factorisation. At the converged state g.b = dV/dP is the compliance of the path.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import numpy as np
 from mpi4py import MPI
 
 from solvers.domain import FloatArray
-from solvers.errors import StepFailed
+from solvers.errors import Cause, StepFailed
 from solvers.linear import Factor
 from solvers.problem import Problem
 
@@ -37,6 +38,8 @@ class NewtonSettings:
         Halvings of an increment that would invert a cell.
     least_det_f
         An increment is cut when it would take det F below this at a quadrature point.
+    line_search
+        Halvings of an increment that does not reduce the residual; the best of the lengths tried is taken.
     """
 
     relative_tolerance: float = 1e-8
@@ -46,6 +49,7 @@ class NewtonSettings:
     reuse_below: float = 0.1
     max_cuts: int = 6
     least_det_f: float = 0.05
+    line_search: int = 0
 
 
 @dataclass(frozen=True)
@@ -61,14 +65,25 @@ class NewtonReport:
     min_det_f
         Smallest det F at quadrature points.
     excess_negatives
-        Negative eigenvalues of the tangent at the converged state beyond the expected.
+        Negative eigenvalues of the tangent at the converged state beyond the expected; None if the load is not
+        conservative.
+    compliance_mm3_per_mpa
+        dV/dP of the path at the converged state.
     """
 
     iterations: int
     factorisations: int
     residual: float
     min_det_f: float
-    excess_negatives: int
+    excess_negatives: int | None
+    compliance_mm3_per_mpa: float
+
+    @property
+    def excess_at_volume(self) -> int | None:
+        """Unstable modes with the volume held: by Haynsworth those at held pressure, less one if dV/dP < 0."""
+        if self.excess_negatives is None:
+            return None
+        return self.excess_negatives - (self.compliance_mm3_per_mpa < 0.0)
 
 
 def solve_equilibrium(
@@ -107,8 +122,9 @@ def solve_equilibrium(
     if pressure_mpa is not None:
         problem.pressure.value = pressure_mpa
     error = moved = np.inf
+    here = _residual(problem, volume_mm3)
     for iteration in range(settings.max_iterations + 1):
-        residual, on_bodies, gradient, new_error = _residual(problem, volume_mm3)
+        new_error = here.error
         if not np.isfinite(new_error):
             raise StepFailed(f"the residual is not finite in iteration {iteration}")
         if on_iteration is not None:
@@ -117,44 +133,68 @@ def solve_equilibrium(
         if new_error <= settings.relative_tolerance or stalled:
             det_f = _check_state(problem)
             factor.refresh()  # the stability count is that of the converged state
-            return NewtonReport(iteration, factor.count - before, new_error, det_f, factor.excess_negatives)
+            toward, _ = factor.solve(here.force, np.zeros(problem.extra))
+            compliance = _dot(problem, here.gradient, toward)
+            used = factor.count - before
+            return NewtonReport(iteration, used, new_error, det_f, factor.excess_negatives, compliance)
         if new_error > 1e8 or iteration == settings.max_iterations:
             raise StepFailed(f"no convergence: relative residual {new_error:.1e} after {iteration} iterations")
         reuse = iteration > 0 and new_error < settings.reuse_below * error
         error = new_error
         if not reuse:
             factor.refresh()
-        step, body_step = factor.solve(residual, on_bodies)
+        step, body_step = factor.solve(here.residual, here.on_bodies)
         step, body_step, pressure_step = -step, -body_step, 0.0
         if volume_mm3 is not None:
-            toward, body_toward = factor.solve(gradient, np.zeros(problem.extra))
+            toward, body_toward = factor.solve(here.force, np.zeros(problem.extra))
             missing = volume_mm3 - problem.cavity_volume()
-            compliance = _dot(problem, gradient, toward)
-            pressure_step = (missing - _dot(problem, gradient, step)) / compliance
+            compliance = _dot(problem, here.gradient, toward)
+            # Cauchy and Schwarz: below round-off of the product the volume stays as it is whatever the load
+            if abs(compliance) <= 1e-13 * _norm(problem, here.gradient) * _norm(problem, toward):
+                raise StepFailed("the volume does not respond to the load", Cause.NO_RESPONSE)
+            pressure_step = (missing - _dot(problem, here.gradient, step)) / compliance
             step, body_step = step + toward * pressure_step, body_step + body_toward * pressure_step
-        moved = _advance(problem, settings, step, body_step, pressure_step)
+        moved, here = _advance(problem, settings, volume_mm3, error, step, body_step, pressure_step)
     raise AssertionError("unreachable")
+
+
+@dataclass(frozen=True)
+class _Residual:
+    """Residual on owned dofs and bodies, force of a unit load, dV/dw, and the relative error of the state."""
+
+    residual: FloatArray
+    on_bodies: FloatArray
+    force: FloatArray
+    gradient: FloatArray
+    error: float
+
+
+def _norm(problem: Problem, a: FloatArray) -> float:
+    return float(np.sqrt(_dot(problem, a, a)))
 
 
 def _dot(problem: Problem, a: FloatArray, b: FloatArray) -> float:
     return float(problem.comm.allreduce(float(a @ b), op=MPI.SUM))
 
 
-def _residual(problem: Problem, volume_mm3: float | None) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-    """Residual on dofs and bodies, dV/dw, and the relative error of the state."""
+def _residual(problem: Problem, volume_mm3: float | None) -> _Residual:
     force, on_bodies = problem.internal_force()
-    gradient = problem.volume_gradient()
-    pressure = float(problem.pressure.value)
-    residual = force - pressure * gradient
     fixed = problem.constrained_owned
+    unit_load = problem.load_force()
+    unit_load[fixed] = 0.0
+    gradient = unit_load
+    if not problem.conservative:
+        gradient = problem.volume_gradient()
+        gradient[fixed] = 0.0
+    pressure = float(problem.pressure.value)
+    residual = force - pressure * unit_load
     residual[fixed] = 0.0
-    gradient[fixed] = 0.0
     is_p = problem.owned_pressure
     sums = np.array(
         [
             residual[~is_p] @ residual[~is_p],
             residual[is_p] @ residual[is_p],
-            gradient @ gradient,
+            unit_load @ unit_load,
         ]
     )
     sums = problem.comm.allreduce(sums, op=MPI.SUM)
@@ -162,45 +202,84 @@ def _residual(problem: Problem, volume_mm3: float | None) -> tuple[FloatArray, F
     load = max(abs(pressure), 1e-3 * problem.shear_modulus_mpa) * np.sqrt(sums[2])
     error = np.sqrt(sums[0] + on_bodies @ on_bodies) / load + np.sqrt(sums[1]) / problem.volume_scale
     if volume_mm3 is not None:
-        error += abs(volume_mm3 - problem.cavity_volume()) / abs(volume_mm3)
-    return residual, on_bodies, gradient, float(error)
+        volume = problem.cavity_volume()
+        error += abs(volume_mm3 - volume) / max(abs(volume_mm3), abs(volume))
+    return _Residual(residual, on_bodies, unit_load, gradient, float(error))
 
 
 def _advance(
-    problem: Problem, settings: NewtonSettings, step: FloatArray, body_step: FloatArray, pressure_step: float
-) -> float:
-    """Add the increment, halved until no cell comes near inversion; returns its size relative to the displacement."""
+    problem: Problem,
+    settings: NewtonSettings,
+    volume_mm3: float | None,
+    error: float,
+    step: FloatArray,
+    body_step: FloatArray,
+    pressure_step: float,
+) -> tuple[float, _Residual]:
+    """Add the increment, cut until no cell comes near inversion and the residual falls if it can be made to.
+
+    Returns the increment's size relative to the displacement, and the residual at the new state.
+    """
     array = problem.state.x.array
-    start = array.copy()
+    start, start_bodies = array.copy(), problem.body_values.copy()
     pressure = float(problem.pressure.value)
-    fraction = 1.0
-    for _ in range(settings.max_cuts + 1):
+
+    def go(fraction: float) -> None:
         array[: problem.owned] = start[: problem.owned] + fraction * step
         problem.state.x.scatter_forward()
-        det_f, i1, i2 = problem.extremes()
-        in_range = i1 <= problem.law.invariant_limits[0] and i2 <= problem.law.invariant_limits[1]
-        if det_f > settings.least_det_f and in_range:
-            if problem.bonded is not None:
-                problem.bonded.update(fraction * body_step)
-            problem.pressure.value = pressure + fraction * pressure_step
-            is_u = ~problem.owned_pressure
-            largest, total = (
-                problem.comm.allreduce(float(np.abs(v[is_u]).max(initial=0.0)), op=MPI.MAX)
-                for v in (step, array[: problem.owned])
-            )
-            return largest / total if total > 0.0 else np.inf
+        problem.pressure.value = pressure + fraction * pressure_step
+        if problem.bonded is not None:
+            problem.bonded.values[:] = start_bodies
+            problem.bonded.update(fraction * body_step)
+
+    fraction = _admissible(problem, settings, go)
+    here = _residual(problem, volume_mm3)
+    best, best_fraction = here, fraction
+    for _ in range(settings.line_search):
+        if best.error < error:
+            break
         fraction *= 0.5
-    raise StepFailed(
-        f"an increment would invert a cell or leave the material's range even at 1/{2**settings.max_cuts} of its "
-        f"length (det F {det_f:.3g}, I1 {i1:.3g}, I2 {i2:.3g})"
+        go(fraction)
+        here = _residual(problem, volume_mm3)
+        if here.error < best.error:
+            best, best_fraction = here, fraction
+    if best_fraction != fraction:
+        go(best_fraction)
+    is_u = ~problem.owned_pressure
+    largest, total = (
+        problem.comm.allreduce(float(np.abs(v[is_u]).max(initial=0.0)), op=MPI.MAX)
+        for v in (step, array[: problem.owned])
     )
+    return (largest / total if total > 0.0 else np.inf), best
+
+
+def _admissible(problem: Problem, settings: NewtonSettings, go: Callable[[float], None]) -> float:
+    """Go along the increment as far as no cell comes near inversion; the fraction of it that was gone."""
+    limit1, limit2 = problem.law.invariant_limits
+    fraction = 1.0
+    for _ in range(settings.max_cuts + 1):
+        go(fraction)
+        det_f, i1, i2 = problem.extremes()
+        if det_f > settings.least_det_f and i1 <= limit1 and i2 <= limit2:
+            return fraction
+        fraction *= 0.5
+    length = f"even at 1/{2**settings.max_cuts} of its length"
+    if not det_f > settings.least_det_f:
+        raise StepFailed(f"an increment would invert a cell {length}: {problem.worst_cell()}", Cause.INVERTED_CELL)
+    raise StepFailed(f"an increment would leave the material's range {length}: {_range(problem)}", Cause.MATERIAL_RANGE)
+
+
+def _range(problem: Problem) -> str:
+    _, i1, i2 = problem.extremes()
+    limit1, limit2 = problem.law.invariant_limits
+    return f"I1 = {i1:.3g} (<= {limit1:g}), I2 = {i2:.3g} (<= {limit2:g})"
 
 
 def _check_state(problem: Problem) -> float:
     det_f, i1, i2 = problem.extremes()
     if not det_f > 0.0:
-        raise StepFailed(f"converged to a state with det F = {det_f:.3g} at a quadrature point")
+        raise StepFailed(f"converged to an inverted cell: {problem.worst_cell()}", Cause.INVERTED_CELL)
     limit1, limit2 = problem.law.invariant_limits
     if i1 > limit1 or i2 > limit2:
-        raise StepFailed(f"out of the material law's range: I1 = {i1:.3g} (<= {limit1:g}), I2 = {i2:.3g}")
+        raise StepFailed(f"out of the material law's range: {_range(problem)}", Cause.MATERIAL_RANGE)
     return det_f

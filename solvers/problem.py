@@ -25,10 +25,14 @@ from solvers.errors import SolverError
 from solvers.forms import build_forms, invariants
 from solvers.kinematics import kinematics
 from solvers.laws import Law, compile_law
+from solvers.loads import LoadKind, load_forms, load_tangent
 from solvers.rigid import BondedBodies, RigidBodies
 from solvers.state import State, Timer
 
 SOFT, STIFF = 1, 2  # material numbers of cells
+
+# Potential and traction form of a load are one load if their work on random directions differs by less than this.
+SAME_LOAD = 1e-10
 
 
 @dataclass(frozen=True)
@@ -37,20 +41,41 @@ class Surfaces:
 
     Attributes
     ----------
-    cavity
-        Loaded by the cavity pressure.
+    cavity, external, dead
+        The loaded surface, exactly one of the three: by a pressure from inside, by a pressure from outside (both
+        follow the surface), or by a tension along the reference normal that keeps its direction.
     clamped
         All displacement components are zero.
     bond
         Bonded to rigid bodies.
     held
         Pairs (facet number, component) with zero displacement: symmetry planes, the axis of a meridian, rollers.
+    pinned
+        Pairs (caller's node, component) with zero displacement, to hold a free body's motions.
     """
 
-    cavity: int
+    cavity: int | None = None
     clamped: int | None = None
     bond: int | None = None
     held: tuple[tuple[int, int], ...] = ()
+    external: int | None = None
+    dead: int | None = None
+    pinned: tuple[tuple[int, int], ...] = ()
+
+    @property
+    def load(self) -> tuple[LoadKind, int]:
+        """Kind and facet number of the load.
+
+        Raises
+        ------
+        SolverError
+            If there is none or more than one.
+        """
+        kinds: dict[LoadKind, int | None] = {"cavity": self.cavity, "external": self.external, "dead": self.dead}
+        given = [(kind, number) for kind, number in kinds.items() if number is not None]
+        if len(given) != 1:
+            raise SolverError(f"a problem needs one loaded surface, got {len(given)}: set cavity, external or dead")
+        return given[0]
 
 
 class Problem:
@@ -65,7 +90,7 @@ class Problem:
     inverse_kappa
         1/kappa in 1/MPa; 0 is incompressible.
     surfaces
-        Which facet numbers are the cavity, clamped, bonded and on the axis.
+        Which facet numbers are loaded, clamped, bonded and on the axis.
     stiff
         Material of the STIFF cells, if any.
     bodies
@@ -102,11 +127,10 @@ class Problem:
         degree = quadrature_degree or QUADRATURE_DEGREE[domain.cell_name]
         kin = kinematics(mesh, domain.axisymmetric)
         dx, ds = domain.dx(degree=degree), domain.ds(degree=degree)
-        measures = {"cavity": ds(surfaces.cavity)}
         if stiff is None:
-            measures["soft"] = ufl.dx(domain=mesh, degree=degree)
+            measures = {"soft": ufl.dx(domain=mesh, degree=degree)}
         else:
-            measures |= {"soft": dx(SOFT), "stiff": dx(STIFF)}
+            measures = {"soft": dx(SOFT), "stiff": dx(STIFF)}
         self.law = compile_law(law, mesh)
         with self.timer("compile"):
             forms = build_forms(
@@ -115,7 +139,6 @@ class Problem:
                 kin,
                 self.law,
                 fem.Constant(mesh, float(inverse_kappa)),
-                self.pressure,
                 stiff,
                 measures,
             )
@@ -130,20 +153,32 @@ class Problem:
                     tangent=forms.tangent + self.bonded.stiffness,
                     energy=forms.energy + self.bonded.energy,
                 )
+            kind, loaded = surfaces.load
+            load = load_forms(kind, self.space, self.state, kin, ds(loaded))
+            # UFL takes arguments made after a compilation for others than those made before: all forms come first.
+            tangents = {
+                conservative: load_tangent(
+                    forms.tangent, load, kind, conservative, self.space, self.state, self.pressure
+                )
+                for conservative in (True, False)
+            }
             self._internal = compat.compile_form(forms.internal_force)
-            self._traction_load = compat.compile_form(forms.traction_load)
-            self._volume_gradient = compat.compile_form(forms.volume_gradient)
-            self._tangent = compat.compile_form(forms.tangent)
             self._energy = compat.compile_form(forms.energy)
-            self._volume = compat.compile_form(forms.volume)
+            self._volume = compat.compile_form(load.volume)
+            self._volume_gradient = compat.compile_form(load.volume_gradient)
+            self._traction_load = compat.compile_form(load.traction)
             k = invariants(kin.gradient(ufl.split(self.state)[0]))
             points = compat.quadrature_points(mesh, degree)
             self._check = compat.compile_expression(ufl.as_vector([k.j, k.i1, k.i2]), points)
+            self._points = points
 
             q = ufl.TestFunctions(self.space)[1]
             unit_form = compat.compile_form(q * kin.measure * ufl.dx(domain=mesh, degree=degree))
 
         self._constrain(surfaces, stiff is not None)
+        self.conservative = self._load_difference() <= SAME_LOAD
+        with self.timer("compile"):
+            self._tangent = compat.compile_form(tangents[self.conservative])
         self.extra = 0 if self.bonded is None else self.bonded.size
         self.modes = 0 if self.bonded is None else self.bonded.modes
         self._coupled = self._coupled_dofs()
@@ -154,6 +189,27 @@ class Problem:
         self.expected_negatives = int(
             self.comm.allreduce(int((self.owned_pressure & ~self.constrained_owned).sum()), op=MPI.SUM)
         )
+
+    # ---- the load --------------------------------------------------------------------------------------
+
+    def _load_difference(self) -> float:
+        """Largest difference of the load as potential and as traction, relative to the work that cancels in it.
+
+        The Hessian of the potential is symmetric on any surface, so symmetry proves nothing: the two forces are
+        compared on random directions that respect the constraints, at a random state that does too.
+        """
+        rng = np.random.default_rng([17, self.comm.rank])
+        box = np.ptp(self.domain.mesh.geometry.x, axis=0).max(initial=0.0)
+        size = 0.01 * self.comm.allreduce(float(box), op=MPI.MAX)
+        free = ~self._is_constrained[: self.owned]
+        self.state.x.array[: self.owned] = size * rng.standard_normal(self.owned) * free
+        self.state.x.scatter_forward()
+        potential, traction = self.volume_gradient(), self.load_traction()
+        self.state.x.array[:] = 0.0
+        directions = rng.standard_normal((5, self.owned)) * free
+        different = self.comm.allreduce(directions @ (potential - traction), op=MPI.SUM)
+        whole = self.comm.allreduce(np.abs(directions) @ np.abs(traction), op=MPI.SUM)
+        return float((np.abs(different) / np.maximum(whole, np.finfo(float).tiny)).max())
 
     # ---- numbering -------------------------------------------------------------------------------------
 
@@ -224,6 +280,9 @@ class Problem:
             pressure = np.unique(self.p_dofs[self.p_dofs >= 0])
             dead = pressure[~soft[pressure]]
             fixed.append((self.space.sub(1), np.unique(dead).astype(np.int32)))
+        for node, component in surfaces.pinned:
+            dofs = self.u_dofs[self.domain.input_node == node, component]
+            fixed.append((self.space.sub(0).sub(component), dofs[dofs >= 0]))
         self.bcs = [fem.dirichletbc(PETSc.ScalarType(0), np.asarray(d, np.int32), s) for s, d in fixed]
         self._is_constrained = np.zeros(self.local, dtype=bool)
         for _, dofs in fixed:
@@ -259,7 +318,7 @@ class Problem:
     # ---- assembly --------------------------------------------------------------------------------------
 
     def new_matrix(self) -> PETSc.Mat:
-        """Empty symmetric matrix with the pattern of the tangent and the bodies' border."""
+        """Empty matrix with the pattern of the tangent and the bodies' border."""
         plain = compat.create_matrix(self._tangent)
         compat.assemble_into(plain, self._tangent, self.bcs, self.space)
         plain.assemble()
@@ -268,7 +327,7 @@ class Problem:
         else:
             matrix = self._bordered_matrix(plain)
             plain.destroy()
-        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, self.conservative)
         return matrix
 
     def _bordered_matrix(self, plain: PETSc.Mat) -> PETSc.Mat:
@@ -341,12 +400,21 @@ class Problem:
             return force, np.zeros(0) if self.bonded is None else self.bonded.forces()
 
     def volume_gradient(self) -> FloatArray:
-        """dV/dw on the owned dofs, mm^2, shape (owned,)."""
+        """Derivative of `cavity_volume` on the owned dofs, mm^2, shape (owned,)."""
         with self.timer("residual"):
             return compat.assemble_array(self._volume_gradient, self.index_map).array[: self.owned].copy()
 
+    def load_traction(self) -> FloatArray:
+        """Force of a unit load on the owned dofs without use of the potential, mm^2, shape (owned,)."""
+        with self.timer("residual"):
+            return compat.assemble_array(self._traction_load, self.index_map).array[: self.owned].copy()
+
+    def load_force(self) -> FloatArray:
+        """Force of a unit load on the owned dofs, mm^2: from the potential where that is the load."""
+        return self.volume_gradient() if self.conservative else self.load_traction()
+
     def cavity_volume(self) -> float:
-        """Enclosed volume, mm^3."""
+        """Volume on which the load does work, mm^3: the enclosed volume for a cavity, see solvers.loads for others."""
         return compat.assemble_scalar(self._volume, self.comm)
 
     def energy(self) -> float:
@@ -359,8 +427,7 @@ class Problem:
         Uses the traction form: the potential's derivative differs from it on the clamped edge.
         """
         force, _ = self.internal_force()
-        load = compat.assemble_array(self._traction_load, self.index_map).array[: self.owned]
-        total = force - float(self.pressure.value) * load
+        total = force - float(self.pressure.value) * self.load_traction()
         return float(self.comm.allreduce(float(total[self._clamped_axial].sum()), op=MPI.SUM))
 
     def extremes(self) -> tuple[float, float, float]:
@@ -377,6 +444,23 @@ class Problem:
                 self.comm.allreduce(i1, op=MPI.MAX),
                 self.comm.allreduce(i2, op=MPI.MAX),
             )
+
+    def worst_cell(self) -> str:
+        """The smallest det F, and where its quadrature point is in the unloaded body."""
+        here = compat.compile_expression(ufl.SpatialCoordinate(self.domain.mesh), self._points)
+        cells = np.arange(self.domain.mesh.topology.index_map(self.dimension).size_local, dtype=np.int32)
+        values = self._check.eval(cells).reshape(-1, 3)[:, 0]
+        values = np.where(np.isfinite(values), values, -np.inf)
+        found = []
+        if len(values):
+            worst = int(np.argmin(values))
+            tags = self.domain.cell_tags
+            region = int(tags.values[tags.indices == worst // len(self._points)][0])
+            found = [(float(values[worst]), here.eval(cells).reshape(-1, self.dimension)[worst], region)]
+        det_f, at, region = min((f for part in self.comm.allgather(found) for f in part), key=lambda f: f[0])
+        names = ("r", "z") if self.domain.axisymmetric else ("x", "y", "z")
+        place = ", ".join(f"{name} = {value:.2f}" for name, value in zip(names, at, strict=True))
+        return f"det F = {det_f:.3g} at {place} mm, {'soft' if region == SOFT else 'stiff'} region"
 
     # ---- states ----------------------------------------------------------------------------------------
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
@@ -28,7 +28,7 @@ class State:
         Motions of the rigid bodies, shape (bodies, modes): axial on a meridian and in a sector; x, y, z
         translation, then rotation about x, y, z times the arm, in full 3D.
     load_mpa
-        Cavity pressure P.
+        Load factor P: the cavity pressure, or see solvers.loads.
     """
 
     displacement_mm: FloatArray
@@ -45,6 +45,17 @@ def pressure_at_corners(state: State, cells: IntArray, corners: int) -> FloatArr
     sums = np.bincount(at, weights=state.pressure_mpa.ravel(), minlength=len(state.displacement_mm))
     count = np.bincount(at, minlength=len(state.displacement_mm))
     return sums / np.maximum(count, 1)
+
+
+def combine(states: Sequence[State], weights: Sequence[float]) -> State:
+    """Weighted sum of states (rotations of bodies as vectors: for first guesses, not for results)."""
+    pairs = list(zip(states, weights, strict=True))
+    return State(
+        np.asarray(sum(w * s.displacement_mm for s, w in pairs)),
+        np.asarray(sum(w * s.pressure_mpa for s, w in pairs)),
+        np.asarray(sum(w * s.bodies_mm for s, w in pairs)),
+        float(sum(w * s.load_mpa for s, w in pairs)),
+    )
 
 
 @dataclass

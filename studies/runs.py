@@ -111,6 +111,7 @@ def _stamp(comm: MPI.Comm) -> dict[str, Any]:
 
 def _path_row(tip: Tip, item: PathState, parts: int = 1) -> PathRow:
     """A row of path.csv; volume, energy and reaction are those of the whole, of which a sector is one of ``parts``."""
+    unstable = item.newton.excess_negatives
     return PathRow(
         pressure_kpa=1e3 * item.state.load_mpa,
         control=item.control,
@@ -122,7 +123,7 @@ def _path_row(tip: Tip, item: PathState, parts: int = 1) -> PathRow:
         reaction_n=parts * item.reaction_n,
         min_det_f=item.newton.min_det_f,
         min_gap_mm=math.nan,
-        unstable_modes=float(item.newton.excess_negatives),
+        unstable_modes=math.nan if unstable is None else float(unstable),
         unstable_by_m="",
         newton_iterations=item.newton.iterations,
         wall_s=item.wall_s,
@@ -379,6 +380,8 @@ def _finish(
         notes = list(job.notes)
         if quality.boundary_only_cells:
             notes.append(f"warning: {quality.boundary_only_cells} meridian cells have all corners on the boundary")
+        if not problem.conservative:
+            notes.append("warning: the load is not conservative: unsymmetric tangent, unstable modes are not counted")
         silicone, rings = masses_g(scene, meridian)
         summary = RunSummary(
             scene=scene.name,

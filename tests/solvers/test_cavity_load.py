@@ -13,20 +13,14 @@ from analytical.materials import DRAGON_SKIN_10
 from meshes.bellows import BellowsShape, cap_band, corner_band, wall_segments
 from meshes.revolve import revolve
 from meshes.solid import FACETS, SolidMesh
-from solvers import compat
 from solvers.problem import Problem
 from solvers.state import State
-
-
-def traction_load(problem: Problem) -> np.ndarray:
-    """Force of a unit pressure as int cof F N . v over the cavity, on the owned dofs."""
-    return compat.assemble_array(problem._traction_load, problem.index_map).array[: problem.owned].copy()
 
 
 def worst_difference(problem: Problem) -> float:
     """Largest difference of potential and traction on random directions that respect the constraints."""
     rng = np.random.default_rng(17)
-    potential, traction = problem.volume_gradient(), traction_load(problem)
+    potential, traction = problem.volume_gradient(), problem.load_traction()
     directions = rng.standard_normal((5, problem.owned)) * ~problem.constrained_owned
     # relative to the sum of the absolute values that cancel in the scalar product
     return float(np.abs((directions @ (potential - traction)) / (np.abs(directions) @ np.abs(traction))).max())
@@ -49,6 +43,7 @@ def affine(problem: Problem, mesh: SolidMesh, f: np.ndarray) -> None:
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_potential_is_the_traction_on_a_clamped_bellows(bellows_problem, dimension: int) -> None:
     case = bellows_problem(dimension)
+    assert case.problem.conservative
     shake(case.problem, case.mesh, 3)
     # asked 1e-10; the degree of quadrature makes it an identity of polynomials: round-off
     assert worst_difference(case.problem) < 1e-13
@@ -77,6 +72,7 @@ def test_potential_is_not_the_traction_on_a_free_edged_patch(strip, sides, make_
     shake(problem, mesh, 5)
     # a term along the edge, of the size of the loads of the facets beside it: measured 0.5
     assert worst_difference(problem) > 1e-2
+    assert not problem.conservative
 
 
 def exact_cavity_volume(shape: BellowsShape) -> float:
@@ -162,7 +158,7 @@ def test_reaction_in_3d_is_the_pressure_on_the_meshs_inlet(
         problem.set_state(point.state)
         lift = np.zeros(problem.owned)
         lift[problem.u_dofs[:, 2]] = 1.0
-        area = traction_load(problem) @ lift
+        area = problem.load_traction() @ lift
         # the closed surface less the inlet: the inlet's area, eight parabolas round: 8e-4 short
         assert area == pytest.approx(math.pi * one_convolution.crest_radius_mm**2, rel=1e-3)
         assert point.reaction_n == pytest.approx(-point.state.load_mpa * area, rel=1e-9)  # Newton's residual
