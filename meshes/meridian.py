@@ -27,8 +27,6 @@ from meshes.quality import jacobians
 from meshes.ring import RingShape, ring_triangles
 from meshes.solid import FACETS, REGIONS, TRIANGLE_EDGES, IntArray, SolidMesh
 
-CellKind = Literal["triangles", "quadrilaterals"]
-
 
 @dataclass(frozen=True)
 class Resolution:

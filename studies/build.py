@@ -10,8 +10,9 @@ import numpy as np
 from mpi4py import MPI
 
 from analytical.materials import SILICONE_DENSITY_G_CM3
+from meshes.cells import CellKind
 from meshes.errors import GeometryError
-from meshes.meridian import CellKind, default_resolution, meridian_mesh
+from meshes.meridian import default_resolution, meridian_mesh
 from meshes.quality import region_volumes_mm3
 from meshes.revolve import revolve, revolve_scalar, revolve_vector
 from meshes.solid import FACETS, REGIONS, SolidMesh
