@@ -3,7 +3,11 @@
 Nothing in this package may import dolfinx, PETSc or gmsh; it has to answer on a machine without a solver.
 
 materials : hyperelastic laws, ring materials and their constants (the only place that holds them)
-bellows   : the closed-form model of Heung et al. 2024, misprints mended
+bellows   : dimensions of a bellows actuator, one or many at once
+chains    : the closed-form model of Heung et al. 2024 as printed, misprints mended, statics mended
+            (its equations are in chain_equations)
+mends     : every departure from the print, and what it is worth
+bellows_loads : pressure for an elongation, force at a held tip
 paper     : what that paper prints, and the dimensions inferred from it
 tube      : the exact thick-walled tube under pressure
 
