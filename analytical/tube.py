@@ -1,4 +1,4 @@
-"""Exact thick-walled tube under pressure at a prescribed axial stretch: incompressible, any isotropic law.
+"""Exact thick-walled tube under pressure: incompressible, any isotropic law.
 
 Reference radii R in [A, B], axial stretch lz. Incompressibility gives r^2 = a^2 + (R^2 - A^2) / lz, so one
 number, the deformed inner radius a, fixes the whole deformation: l_theta = r / R, l_r = R / (lz r). Radial
@@ -8,28 +8,40 @@ equilibrium, eq. (5) of Heung et al. 2024 (DOI 10.3390/biomimetics9030160), give
 
 `pressure` means inside minus outside throughout. Stresses are given for a free outer surface; an outer
 pressure adds itself, as a hydrostatic pressure, to all of them. Plane strain is lz = 1.
+
+The axial stretch is prescribed, or follows from the ends (`state_at_pressure`, `state_at_inner_radius`):
+
+    capped : the ends are closed, unheld, and the pressure pushes on them: N = P pi a^2
+    free   : the pressure acts on the lateral wall only: N = 0
+
+with N the axial force in the wall, `axial_force_n`.
 Units: mm, N, MPa.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from analytical.materials import FloatArray, IsotropicLaw
+
+Ends = Literal["capped", "free"]
+ENDS: Final[tuple[Ends, ...]] = get_args(Ends)
 
 # Gauss-Legendre points on [-1, 1]. In the variable chosen in _quadrature the integrands are analytic in a
 # strip of half-width pi/2, so 48 points are at round-off for walls up to B/A = 100.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(48)
 
-# The search for a radius takes steps this small so that it meets the first of several solutions,
+# The search for a stretch takes steps this small so that it meets the first of several solutions,
 _SEARCH_RATIO = 1.05
-# and gives up outside this range of a/A: no elastomer goes there.
-_INNER_STRETCH_RANGE = (0.02, 50.0)
+# and gives up outside this range (of a/A and of lz): no elastomer goes there.
+STRETCH_RANGE: Final = (0.02, 50.0)
 
 
 class TubeError(ValueError):
@@ -59,6 +71,25 @@ class Tube:
             )
         if not 0.0 < self.axial_stretch < math.inf:
             raise TubeError(f"axial_stretch = {self.axial_stretch:g} must be positive; 1 is plane strain")
+
+
+@dataclass(frozen=True)
+class TubeState:
+    """Equilibrium of a tube whose length was not prescribed.
+
+    Attributes
+    ----------
+    tube
+        The tube with the axial stretch that its ends leave it; what the functions for stresses take.
+    inner_mm
+        Deformed inner radius a, mm.
+    pressure_mpa
+        Pressure P (inside minus outside), MPa.
+    """
+
+    tube: Tube
+    inner_mm: float
+    pressure_mpa: float
 
 
 def deformed_radius_mm(tube: Tube, inner_mm: float, radius_mm: ArrayLike) -> FloatArray:
@@ -108,26 +139,135 @@ def inner_radius_at_pressure_mm(tube: Tube, law: IsotropicLaw, pressure_mpa: flo
     # Up to round-off, which is what is left of the pressure there.
     if abs(pressure_mpa) <= abs(pressure_at_inner_radius_mpa(tube, law, start)):
         return start
-    low, high = (bound * tube.inner_radius_mm for bound in _INNER_STRETCH_RANGE)
-    ratio = _SEARCH_RATIO if pressure_mpa > 0.0 else 1.0 / _SEARCH_RATIO
-    largest, near, far = 0.0, start, start * ratio
-    while low < far < high:
-        reached = pressure_at_inner_radius_mpa(tube, law, far)
-        if abs(reached) >= abs(pressure_mpa) and reached * pressure_mpa > 0.0:
-            root = brentq(
-                lambda a: pressure_at_inner_radius_mpa(tube, law, a) - pressure_mpa,
-                near,
-                far,
-                xtol=1e-14 * tube.inner_radius_mm,
-                rtol=4.0 * np.finfo(float).eps,
-            )
-            return float(root)
-        largest = max(largest, abs(reached))
-        near, far = far, far * ratio
-    raise TubeError(
-        f"pressure {pressure_mpa:g} MPa is beyond what {law} carries in this tube (largest met: {largest:g} "
-        "MPa in size): prescribe the inner radius instead"
+    bounds = (STRETCH_RANGE[0] * tube.inner_radius_mm, STRETCH_RANGE[1] * tube.inner_radius_mm)
+    root, furthest = first_solution(lambda a: pressure_at_inner_radius_mpa(tube, law, a), start, bounds, pressure_mpa)
+    if root is None:
+        raise _beyond(law, pressure_mpa, furthest)
+    return root
+
+
+def state_at_inner_radius(tube: Tube, law: IsotropicLaw, inner_mm: float, ends: Ends) -> TubeState:
+    """Axial stretch and pressure that hold the inner radius at a, with the ends as given.
+
+    Of several axial stretches it is the first met on the way from 1. A negative pressure is one from outside,
+    which then acts on the end faces of the wall as well: with "free" ends N = 0 is the excess over it.
+
+    Parameters
+    ----------
+    tube
+        Undeformed tube; its axial stretch is left aside.
+    inner_mm
+        Deformed inner radius a, mm.
+    ends
+        "capped" (N = P pi a^2) or "free" (N = 0).
+
+    Raises
+    ------
+    TubeError
+        If no axial stretch between 0.02 and 50 balances the ends.
+    """
+    if ends not in ENDS:
+        raise TubeError(f"ends = {ends!r} is unknown: say " + " or ".join(f'"{name}"' for name in ENDS))
+
+    def excess_n(axial_stretch: float) -> float:
+        at = replace(tube, axial_stretch=axial_stretch)
+        thrust = math.pi * inner_mm**2 * pressure_at_inner_radius_mpa(at, law, inner_mm) if ends == "capped" else 0.0
+        return axial_force_n(at, law, inner_mm) - thrust
+
+    stretch, furthest = first_solution(excess_n, 1.0, STRETCH_RANGE, 0.0)
+    if stretch is None:
+        raise TubeError(
+            f"no axial stretch from {STRETCH_RANGE[0]:g} to {STRETCH_RANGE[1]:g} balances {ends} ends of this tube at "
+            f"inner radius {inner_mm:g} mm for {law} (nearest: {furthest:g} N): ask for a radius nearer to rest"
+        )
+    found = replace(tube, axial_stretch=stretch)
+    return TubeState(found, inner_mm, pressure_at_inner_radius_mpa(found, law, inner_mm))
+
+
+def state_at_pressure(tube: Tube, law: IsotropicLaw, pressure_mpa: float, ends: Ends) -> TubeState:
+    """Inner radius and axial stretch at the pressure `pressure_mpa`, with the ends as given.
+
+    The first solution met when the tube is inflated (or, for a negative pressure, collapsed) from rest.
+
+    Parameters
+    ----------
+    tube
+        Undeformed tube; its axial stretch is left aside.
+    pressure_mpa
+        Pressure P (inside minus outside), MPa.
+    ends
+        "capped" (N = P pi a^2) or "free" (N = 0).
+
+    Raises
+    ------
+    TubeError
+        If no inner stretch between 0.02 and 50 carries the pressure, naming the largest pressure met.
+    """
+    if not math.isfinite(pressure_mpa):
+        raise TubeError(f"pressure = {pressure_mpa} MPa is not a finite number")
+    rest = state_at_inner_radius(tube, law, tube.inner_radius_mm, ends)
+    # up to round-off, as at a prescribed stretch
+    if abs(pressure_mpa) <= abs(rest.pressure_mpa):
+        return rest
+    bounds = (STRETCH_RANGE[0] * tube.inner_radius_mm, STRETCH_RANGE[1] * tube.inner_radius_mm)
+    root, furthest = first_solution(
+        lambda a: state_at_inner_radius(tube, law, a, ends).pressure_mpa, rest.inner_mm, bounds, pressure_mpa
     )
+    if root is None:
+        raise _beyond(law, pressure_mpa, furthest)
+    return state_at_inner_radius(tube, law, root, ends)
+
+
+def first_solution(
+    function: Callable[[float], float], start: float, bounds: tuple[float, float], target: float
+) -> tuple[float | None, float]:
+    """First x, on the way up or down from `start`, at which an initially rising function has a value.
+
+    A target above function(start) is looked for upwards, one below downwards, in steps of 5 %. A maximum on the
+    way (minimum, downwards) is located, so that a target just short of it is found too.
+
+    Parameters
+    ----------
+    function
+        Continuous; features narrower than two steps may be missed.
+    start, bounds
+        Positive; the search ends at the last step inside `bounds`.
+    target
+        The value looked for.
+
+    Returns
+    -------
+    tuple
+        x to round-off, or None if the value is not met; and the furthest value met in its direction.
+    """
+    sign = math.copysign(1.0, target - function(start))
+    ratio = _SEARCH_RATIO**sign
+
+    def short(x: float) -> float:
+        return sign * (target - function(x))
+
+    def crossing(near: float, far: float) -> float:
+        return float(brentq(short, near, far, xtol=1e-14 * start, rtol=4.0 * np.finfo(float).eps))
+
+    before, near, far = start, start, start * ratio
+    short_before = short_near = least = short(start)
+    while bounds[0] < far < bounds[1]:
+        short_far = short(far)
+        if short_far <= 0.0:
+            return crossing(near, far), target
+        least = min(least, short_far)
+        if short_before >= short_near < short_far:
+            # 1e-9: the value of an extremum is at round-off long before
+            options = {"xatol": 1e-9 * near}
+            low, high = sorted((before, far))
+            turn = float(minimize_scalar(short, bounds=(low, high), method="bounded", options=options).x)
+            short_turn = short(turn)
+            if short_turn <= 0.0:
+                return crossing(before, turn), target
+            least = min(least, short_turn)
+        before, near, far = near, far, far * ratio
+        short_before, short_near = short_near, short_far
+    return None, target - sign * least
 
 
 def cauchy_stress_mpa(
@@ -190,6 +330,13 @@ def stored_energy_n(tube: Tube, law: IsotropicLaw, inner_mm: float) -> float:
     energy = law.energy(1.0 / (hoop * tube.axial_stretch), hoop, tube.axial_stretch)
     # 2 pi R dR = 2 pi lz r^2 d(ln r)
     return float(2.0 * math.pi * tube.axial_stretch * np.sum(weight * deformed**2 * energy))
+
+
+def _beyond(law: IsotropicLaw, pressure_mpa: float, furthest_mpa: float) -> TubeError:
+    return TubeError(
+        f"pressure {pressure_mpa:g} MPa is beyond what {law} carries in this tube (largest met: "
+        f"{abs(furthest_mpa):g} MPa in size): prescribe the inner radius instead"
+    )
 
 
 def _require_bore(inner_mm: float) -> None:

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from analytical import paper
-from analytical.bellows import BellowsError, closed_form, with_seat
+from analytical.bellows import BellowsError, with_seat
+from analytical.chains import closed_form
 from studies.results import fineness
 from studies.rows import Row, row
 from studies.runs import Run
@@ -175,15 +176,14 @@ def validity_notes(scene: Scene) -> list[str]:
     dimensions, law = dimensions_of(scene), law_of(scene.material)
     notes = []
     answer = closed_form(dimensions, law, np.array(scene.load.pressure_kpa))
-    if answer.unfolding_pressure_kpa <= scene.load.pressure_kpa[-1]:
+    unfolding_kpa = float(answer.unfolding_pressure_kpa[0])
+    if unfolding_kpa <= scene.load.pressure_kpa[-1]:
         notes.append(
-            f"The closed form is fully unfolded from {answer.unfolding_pressure_kpa:.1f} kPa; beyond, its root "
+            f"The closed form is fully unfolded from {unfolding_kpa:.1f} kPa; beyond, its root "
             "stretch is held there (the paper stops at full expansion)."
         )
     else:
-        notes.append(
-            f"The closed form unfolds fully only at {answer.unfolding_pressure_kpa:.1f} kPa, above the asked range."
-        )
+        notes.append(f"The closed form unfolds fully only at {unfolding_kpa:.1f} kPa, above the asked range.")
     printed = _printed(scene)
     if printed is not None:
         notes.append(f"Printed values ({printed.source}): {printed.reading}.")

@@ -19,7 +19,7 @@ from typing import Any, Literal
 import numpy as np
 from mpi4py import MPI
 
-from analytical.bellows import closed_form
+from analytical.chains import closed_form
 from meshes.quality import mesh_quality
 from meshes.solid import SolidMesh
 from solvers.errors import SolverError
