@@ -160,13 +160,15 @@ every_cell = pytest.mark.parametrize(("element", "dimension"), CELLS)
 
 @pytest.fixture(scope="module")
 def small(strip, sides, make_problem):
-    """A ring of a few curved cells, its bottom clamped."""
+    """A ring of a few curved cells between planes, its bottom clamped: the pressure has a potential."""
 
     def make(element: Element, dimension: int) -> tuple[SolidMesh, Problem]:
         mesh = strip(5.0, 6.5, 2.0, 2, 1, 0.1, element is Q2_P1)
         if dimension == 3:
             mesh = revolve_hexahedra(mesh, 6) if element is Q2_P1 else revolve(mesh, 6)
-        return mesh, make_problem(mesh, DRAGON_SKIN_10, cavity=sides.cavity, clamped=sides.bottom, element=element)
+        held = ((sides.top, dimension - 1),)
+        surfaces = {"cavity": sides.cavity, "clamped": sides.bottom, "held": held}
+        return mesh, make_problem(mesh, DRAGON_SKIN_10, element=element, **surfaces)
 
     return make
 
@@ -207,6 +209,7 @@ def test_linear_displacements_are_given_at_every_node(small) -> None:
     mesh, problem = small(P1_P0, 2)
     u = mesh.points @ np.array([[0.1, 0.2], [0.0, -0.1]])
     u[np.isclose(mesh.points[:, 1], 0.0)] = 0.0
+    u[np.isclose(mesh.points[:, 1], mesh.points[:, 1].max()), 1] = 0.0
     problem.set_state(State(u, np.zeros(problem.pressure_shape), np.zeros((0, 0)), 0.0))
     found = problem.get_state().displacement_mm
     corners = mesh.cells[:, :3]
