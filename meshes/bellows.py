@@ -1,4 +1,4 @@
-"""The outline of a bellows: wall centreline of flats and arcs, collars, solid end cap.
+"""The outline of a bellows: wall centreline of flats and arcs, collars, a solid end cap or an open end.
 
 Axial coordinate z runs from the clamped proximal end (z = 0) to the distal face. Crest 0 is centred at
 z = collar; crests and roots alternate every half pitch. The paper (doi 10.3390/biomimetics9030160) prints
@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class BellowsShape:
-    """Dimensions of a bellows with a solid end cap, all in mm.
+    """Dimensions of a bellows with a solid end cap or an open distal end, all in mm.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class BellowsShape:
     fillet_mm
         Radius of every concave surface (cavity side at crests and cap, outside at roots).
     cap_mm
-        Thickness of the end cap.
+        Thickness of the end cap; 0 leaves the distal end open, its annulus flat at ``cavity_length_mm``.
     """
 
     root_radius_mm: float
@@ -51,6 +51,11 @@ class BellowsShape:
     seat_mm: float
     fillet_mm: float
     cap_mm: float
+
+    @property
+    def has_cap(self) -> bool:
+        """False for an open distal end."""
+        return self.cap_mm > 0.0
 
     @property
     def centreline_radius_mm(self) -> float:
@@ -184,13 +189,15 @@ def check_shape(shape: BellowsShape) -> None:
     GeometryError
         Naming the value and the violated inequality.
     """
-    positive = ("root_radius_mm", "crest_radius_mm", "wall_mm", "half_pitch_mm", "collar_mm", "fillet_mm", "cap_mm")
+    positive = ("root_radius_mm", "crest_radius_mm", "wall_mm", "half_pitch_mm", "collar_mm", "fillet_mm")
     for name in positive:
         value = getattr(shape, name)
         if not (math.isfinite(value) and value > 0.0):
             raise GeometryError(f"{name} = {value}: must be a finite length > 0 mm")
-    if not (math.isfinite(shape.seat_mm) and shape.seat_mm >= 0.0):
-        raise GeometryError(f"seat_mm = {shape.seat_mm}: must be a finite length >= 0 mm (0: no seats)")
+    for name, none in (("seat_mm", "no seats"), ("cap_mm", "an open end")):
+        value = getattr(shape, name)
+        if not (math.isfinite(value) and value >= 0.0):
+            raise GeometryError(f"{name} = {value}: must be a finite length >= 0 mm (0: {none})")
     if shape.convolutions < 1:
         raise GeometryError(f"convolutions = {shape.convolutions}: must be at least 1")
     if shape.crest_radius_mm <= shape.root_radius_mm:
@@ -210,7 +217,7 @@ def check_shape(shape: BellowsShape) -> None:
 
 
 def wall_segments(shape: BellowsShape) -> list[Segment]:
-    """The wall from the clamped end to the start of the cap's corner, piece by piece.
+    """The wall from the clamped end to the start of the cap's corner, or to the open end, piece by piece.
 
     Returns
     -------
@@ -249,7 +256,8 @@ def wall_segments(shape: BellowsShape) -> list[Segment]:
         add("crest", rho * phi, -phi, 0.0, k + 1)
         add("seat", half_seat, 0.0, 0.0, k + 1)
     add("seat", half_seat, 0.0, 0.0, shape.convolutions)
-    add("collar", shape.collar_mm - half_seat - shape.fillet_mm, 0.0, 0.0, shape.convolutions)
+    corner = shape.fillet_mm if shape.has_cap else 0.0
+    add("collar", shape.collar_mm - half_seat - corner, 0.0, 0.0, shape.convolutions)
     return segments
 
 

@@ -84,7 +84,7 @@ class Band:
 
 
 def bellows_band(shape: BellowsShape, resolution: Resolution) -> Band:
-    """Stations of the whole band from the clamped end to the axis of the cap."""
+    """Stations of the whole band from the clamped end to the axis of the cap, or to the open end."""
     inner: list[FloatArray] = []
     outer: list[FloatArray] = []
     kinds: list[str] = []
@@ -105,10 +105,12 @@ def bellows_band(shape: BellowsShape, resolution: Resolution) -> Band:
         by_angle = math.ceil(piece.angle_rad / resolution.arc_rad - 1e-9)
         count = by_angle if piece.angle_rad > 0.0 else by_length
         add(piece.kind, max(1, count) * factor, piece.index, piece.band)
-    add("corner", 4 * factor, shape.convolutions, lambda s: corner_band(shape, s))
-    add("cap", resolution.cap_cells * factor, shape.convolutions, lambda s: cap_band(shape, s))
+    if shape.has_cap:
+        add("corner", 4 * factor, shape.convolutions, lambda s: corner_band(shape, s))
+        add("cap", resolution.cap_cells * factor, shape.convolutions, lambda s: cap_band(shape, s))
     inner_all, outer_all = np.vstack(inner), np.vstack(outer)
-    inner_all[-1, 0] = outer_all[-1, 0] = 0.0  # exactly on the axis: revolved nodes there must coincide
+    if shape.has_cap:
+        inner_all[-1, 0] = outer_all[-1, 0] = 0.0  # exactly on the axis: revolved nodes there must coincide
     return Band(inner_all, outer_all, tuple(kinds), tuple(index))
 
 
@@ -231,17 +233,17 @@ def _band_edges(
         elif kind == "corner" and distal[k]:
             outside_tags[k] = FACETS["tip"]
     clamped = np.column_stack([node[0, 0:-2:2], node[0, 2::2]])
-    axis = np.column_stack([node[-1, 0:-2:2], node[-1, 2::2]])
-    edges = np.vstack([cavity, outside, clamped, axis])
+    last = np.column_stack([node[-1, 0:-2:2], node[-1, 2::2]])  # on the axis, or the annulus of an open end
+    edges = np.vstack([cavity, outside, clamped, last])
     tags = np.concatenate(
         [
             np.full(count, FACETS["cavity"]),
             outside_tags,
             np.full(len(clamped), FACETS["clamped"]),
-            np.full(len(axis), FACETS["axis"]),
+            np.full(len(last), FACETS["axis" if shape.has_cap else "tip"]),
         ]
     )
-    bodies = np.concatenate([np.full(count, -1), outside_bodies, np.full(len(clamped) + len(axis), -1)])
+    bodies = np.concatenate([np.full(count, -1), outside_bodies, np.full(len(clamped) + len(last), -1)])
     return edges, tags, bodies
 
 

@@ -48,7 +48,7 @@ class SolidMesh:
     facet_bodies
         Number of the ring seat a facet belongs to, -1 elsewhere, shape (k,).
     tip_centre_node
-        Node on the axis of the distal face.
+        Node on the axis of the distal face; at the outer edge of an open end.
     meridian_node, angle_rad
         For a revolved mesh: the meridian node and the angle each node came from, shape (n,); else empty.
         Where a node lies between meridian nodes, ``meridian_node`` has shape (n, 3).

@@ -176,7 +176,9 @@ class Problem:
             unit_form = compat.compile_form(q * kin.measure * ufl.dx(domain=mesh, degree=degree))
 
         self._constrain(surfaces, stiff is not None)
-        self.conservative = self._load_difference() <= SAME_LOAD
+        # A plate closes the cavity and its rim moves: the potential is the load, the wall's traction only a part of it.
+        closed = bodies is not None and bodies.plate is not None
+        self.conservative = closed or self._load_difference() <= SAME_LOAD
         with self.timer("compile"):
             self._tangent = compat.compile_form(tangents[self.conservative])
         self.extra = 0 if self.bonded is None else self.bonded.size
@@ -297,17 +299,15 @@ class Problem:
         """Owned displacement dofs bonded to each body."""
         if self.bonded is None:
             return []
-        # The columns say which dofs any body's motion pulls, the bonded cells which body it is.
-        pulled = []
-        columns = np.any(self.bonded.columns() != 0.0, axis=1) & ~self._is_constrained[: self.owned]
-        for cells in self.bonded.cells:
-            mine = np.zeros(self.local, dtype=np.float64)
+        tags, pulled = self.domain.facet_tags, []
+        for body in range(self.bonded.count):
+            facets = tags.indices[self.domain.facet_bodies == body]
+            found = np.zeros(self.owned, dtype=bool)
             for i in range(self.dimension):
-                mine[compat.cell_dofs(self.space.sub(0).sub(i))[cells]] = 1.0
-            touched = compat.la.vector(self.index_map, 1)
-            touched.array[:] = mine
-            touched.scatter_reverse(compat.la.ScatterMode.add)
-            pulled.append(np.flatnonzero((touched.array[: self.owned] > 0.0) & columns))
+                dofs = fem.locate_dofs_topological(self.space.sub(0).sub(i), self.dimension - 1, facets)
+                found[dofs[dofs < self.owned]] = True
+            # cells between two bodies have dofs of both, their bonded facets never
+            pulled.append(np.flatnonzero(found & ~self._is_constrained[: self.owned]))
         return pulled
 
     @property
@@ -382,7 +382,8 @@ class Problem:
     def _add_border(self, matrix: PETSc.Mat, bonded: BondedBodies) -> None:
         """Add the bodies' rows, columns and blocks."""
         first, total = self.index_map.local_range[0], self.index_map.size_global
-        columns, blocks = bonded.columns(), bonded.blocks()
+        columns = bonded.columns()
+        blocks = bonded.blocks() - float(self.pressure.value) * bonded.plate_volume()[2]
         add = PETSc.InsertMode.ADD_VALUES
         for body, dofs in enumerate(self._coupled):
             here = (dofs + first).astype(PETSc.IntType)
@@ -394,10 +395,16 @@ class Problem:
                 matrix.setValues(there, there, blocks[body], addv=add)
 
     def internal_force(self) -> tuple[FloatArray, FloatArray]:
-        """Internal force on the owned dofs (owned,) and on the bodies (extra,), constraints not yet applied."""
+        """Internal force on the owned dofs (owned,), residual of the bodies (extra,); constraints not yet applied.
+
+        The bodies' residual includes the pressure on a plate.
+        """
         with self.timer("residual"):
             force = compat.assemble_array(self._internal, self.index_map).array[: self.owned].copy()
-            return force, np.zeros(0) if self.bonded is None else self.bonded.forces()
+            if self.bonded is None:
+                return force, np.zeros(0)
+            on_plate = float(self.pressure.value) * self.bonded.plate_volume()[1]
+            return force, self.bonded.forces() - on_plate
 
     def volume_gradient(self) -> FloatArray:
         """Derivative of `cavity_volume` on the owned dofs, mm^2, shape (owned,)."""
@@ -415,7 +422,8 @@ class Problem:
 
     def cavity_volume(self) -> float:
         """Volume on which the load does work, mm^3: the enclosed volume for a cavity, see solvers.loads for others."""
-        return compat.assemble_scalar(self._volume, self.comm)
+        by_plate = 0.0 if self.bonded is None else self.bonded.plate_volume()[0]
+        return compat.assemble_scalar(self._volume, self.comm) + by_plate
 
     def energy(self) -> float:
         """Stored energy of solid and bond, mJ."""

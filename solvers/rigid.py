@@ -47,6 +47,10 @@ class RigidBodies:
         Length that turns rotations into displacements, so that all unknowns are in mm.
     axial_only
         True where symmetry leaves a body of a three-dimensional mesh only its axial motion, as in a sector.
+    plate
+        Number of the body that closes the cavity by a plane through its centre, normal to the axis; None for none.
+    plate_area_mm2
+        Area of that plane.
     """
 
     normal_mpa_per_mm: float
@@ -55,6 +59,8 @@ class RigidBodies:
     centres_mm: FloatArray
     arm_mm: float
     axial_only: bool = False
+    plate: int | None = None
+    plate_area_mm2: float = 0.0
 
 
 class BondedBodies:
@@ -83,7 +89,7 @@ class BondedBodies:
         grade: Any,
     ) -> None:
         self.domain, self.comm = domain, domain.comm
-        self.arm_mm = bodies.arm_mm
+        self.arm_mm, self._plate, self._plate_area = bodies.arm_mm, bodies.plate, bodies.plate_area_mm2
         self.count = len(bodies.centres_mm)
         self.modes = 1 if domain.axisymmetric or bodies.axial_only else 6
         self.values = np.zeros((self.count, self.modes))
@@ -204,6 +210,39 @@ class BondedBodies:
                 self._aim(1, j)
                 out[:, i, j] = out[:, j, i] = self._per_body(self._block_form)
         return out
+
+    def plate_volume(self) -> tuple[float, FloatArray, FloatArray]:
+        """What the plate adds to the integral of the cavity's walls to make it the enclosed volume.
+
+        With the field (x, y, 0)/2 the plate's face contributes ``A/2 U . n`` (transverse parts), n = R e_z its normal:
+        nothing as long as it keeps level or on the axis, but its second variation couples tilting and drifting.
+
+        Returns
+        -------
+        tuple
+            mm^3; its derivative by the unknowns, mm^2, shape (size,); its second derivative in each body, mm,
+            shape (bodies, modes, modes).
+        """
+        slope, curvature = np.zeros((self.count, self.modes)), np.zeros((self.count, self.modes, self.modes))
+        if self._plate is None or self.modes == 1:
+            return 0.0, slope.ravel(), curvature
+        value = self.values[self._plate]
+        half = 0.5 * self._plate_area
+        turn = Rotation.from_rotvec(value[3:] / self.arm_mm).as_matrix()
+        spins = [np.cross(axis, np.eye(3)).T / self.arm_mm for axis in np.eye(3)]  # W_j, with W_j y = e_j x y / arm
+        across = np.array([value[0], value[1], 0.0])
+        flat = np.diag([1.0, 1.0, 0.0])
+        up = np.array([0.0, 0.0, 1.0])
+        tilt = np.stack([turn @ w @ up for w in spins], axis=1)  # dn by rotations, columns
+        first, second = slope[self._plate], curvature[self._plate]
+        first[:3], first[3:] = half * flat @ turn @ up, half * across @ tilt
+        second[:3, 3:] = half * flat @ tilt
+        second[3:, :3] = second[:3, 3:].T
+        for i in range(3):
+            for j in range(3):
+                both = 0.5 * (spins[i] @ spins[j] + spins[j] @ spins[i])
+                second[3 + i, 3 + j] = half * across @ turn @ both @ up
+        return float(half * across @ turn @ up), slope.ravel(), curvature
 
     def rms_slip_mm(self) -> float:
         """Root mean square slip, weighted with the bond's grade, mm."""

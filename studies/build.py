@@ -22,6 +22,7 @@ from solvers.problem import SOFT, STIFF, Problem, Surfaces
 from solvers.rigid import RigidBodies
 from solvers.state import State, pressure_at_corners
 from studies.scene import (
+    RIGID_BOND_MPA_PER_MM,
     Scene,
     bond_grade,
     bond_stiffness,
@@ -70,21 +71,32 @@ def scene_problem(scene: Scene, mesh: SolidMesh | None, comm: MPI.Comm) -> Probl
     if mesh is not None:
         numbers = np.where(mesh.regions == REGIONS["ring"], STIFF, SOFT)
         material_numbers = dataclasses.replace(mesh, regions=numbers)
+    plate = scene.geometry.tip == "rigid"
+    if material_numbers is not None and plate:
+        material_numbers = _bond_to_plate(material_numbers, _ring_count(scene))
     domain = create_domain(comm, material_numbers)
     stiff = ring_material(scene) if scene.rings.model == "meshed" else None
     cut = bool(comm.bcast(None if mesh is None else FACETS["start"] in mesh.facet_tags))
     bodies = None
-    if scene.rings.model == "rigid":
+    if scene.rings.model == "rigid" or plate:
         shape = shape_of(scene)
         axial = comm.bcast(None if mesh is None else mesh.points[:, -1])
         normal, tangential = bond_stiffness(scene)
+        grade = bond_grade(scene, axial)
+        centres = shape.crest_positions_mm[: _ring_count(scene)]
+        if plate:
+            # The plate's bond is at least as stiff as one meant as rigid; no seat reaches as far as the open end.
+            grade[np.isclose(axial, shape.cavity_length_mm)] = RIGID_BOND_MPA_PER_MM / min(normal, tangential)
+            centres = np.append(centres, shape.cavity_length_mm)
         bodies = RigidBodies(
             normal,
             tangential,
-            bond_grade(scene, axial),
-            shape.crest_positions_mm,
+            grade,
+            centres,
             shape.seat_radius_mm,
             axial_only=cut,
+            plate=len(centres) - 1 if plate else None,
+            plate_area_mm2=comm.bcast(None if mesh is None else _rim_area(mesh)) if plate else 0.0,
         )
     held: tuple[tuple[int, int], ...] = ((FACETS["axis"], 0),) if domain.axisymmetric else ()
     if cut:
@@ -97,6 +109,39 @@ def scene_problem(scene: Scene, mesh: SolidMesh | None, comm: MPI.Comm) -> Probl
     )
     law = law_of(scene.material)
     return Problem(domain, law, inverse_kappa(scene.material), surfaces, stiff, bodies)
+
+
+def _ring_count(scene: Scene) -> int:
+    """Number of rigid rings."""
+    return scene.geometry.convolutions + 1 if scene.rings.model == "rigid" else 0
+
+
+def _bond_to_plate(mesh: SolidMesh, number: int) -> SolidMesh:
+    """The mesh with the annulus of its open end bonded to the body of a number."""
+    tip = mesh.facet_tags == FACETS["tip"]
+    return dataclasses.replace(
+        mesh,
+        facet_tags=np.where(tip, FACETS["bond"], mesh.facet_tags),
+        facet_bodies=np.where(tip, number, mesh.facet_bodies),
+    )
+
+
+def _rim_area(mesh: SolidMesh) -> float:
+    """Area within the inner rim of the open end, mm^2: by parabolas where a whole circle is meshed so, else exact."""
+    z = mesh.points[:, -1]
+    r = np.hypot(mesh.points[:, 0], mesh.points[:, 1]) if mesh.dimension == 3 else mesh.points[:, 0]
+    end = np.isclose(z, mesh.points[mesh.tip_centre_node, -1])
+    inner = r[end].min()
+    rim = np.flatnonzero(end & np.isclose(r, inner))
+    if mesh.dimension == 2 or FACETS["start"] in mesh.facet_tags:
+        return float(np.pi * inner**2)
+    x, y = mesh.points[rim[np.argsort(mesh.angle_rad[rim])], :2].T  # corners and middles in turn, a corner first
+    a, b, c = (np.array([np.roll(x, -k)[::2], np.roll(y, -k)[::2]]) for k in range(3))
+
+    def cross(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+        return np.asarray(p[0] * q[1] - p[1] * q[0])
+
+    return float(np.sum(4.0 * cross(a, b) + 4.0 * cross(b, c) - cross(a, c)) / 6.0)
 
 
 def revolve_state(state: State, meridian: SolidMesh, body: SolidMesh) -> State:
@@ -116,9 +161,10 @@ def revolve_state(state: State, meridian: SolidMesh, body: SolidMesh) -> State:
 
 
 class Tip:
-    """Mean axial displacement of the distal rim, weighted by the rim's undeformed length or area."""
+    """Mean axial displacement of the distal rim, weighted by its undeformed area, or the motion of a rigid plate."""
 
-    def __init__(self, mesh: SolidMesh) -> None:
+    def __init__(self, scene: Scene, mesh: SolidMesh) -> None:
+        self._plate = scene.geometry.tip == "rigid"
         facets = mesh.facets[mesh.facet_tags == FACETS["tip"]]
         ends = mesh.points[facets]
         if mesh.dimension == 2:
@@ -134,10 +180,14 @@ class Tip:
 
     def mean_mm(self, state: State) -> float:
         """Mean over the rim."""
+        if self._plate:
+            return float(state.bodies_mm[-1, 2 if state.bodies_mm.shape[1] == 6 else 0])
         return float(self._weight @ state.displacement_mm[self._facets, -1].mean(axis=1))
 
     def centre_mm(self, state: State) -> float:
         """At the axis."""
+        if self._plate:
+            return self.mean_mm(state)
         return float(state.displacement_mm[self._centre, -1])
 
 

@@ -90,6 +90,8 @@ def make_plan(scene: Scene, rung: Rung | None = None, around: tuple[int, ...] = 
             "interior of the rings: taken as rigid bodies, 3.5 GPa against 0.1 MPa in the wall "
             '(rings.model = "meshed" solves them)'
         )
+    if scene.geometry.tip == "rigid":
+        skipped.append('the cap: a rigid plate bonded to the distal collar (geometry.tip = "cap" solves it)')
     if chosen == "axisymmetric":
         if rung is None:
             skipped.append(

@@ -239,7 +239,7 @@ def _solve_axisymmetric(scene: Scene, refinement: int, folder: Path, progress: P
     problem = scene_problem(scene, mesh, MPI.COMM_SELF)
     problem.timer.seconds["mesh"] = meshed
     factor = Factor(problem)
-    tip = Tip(mesh)
+    tip = Tip(scene, mesh)
     rows: list[PathRow] = []
 
     def keep(item: PathState) -> None:
@@ -306,7 +306,7 @@ def run_body(
     problem = scene_problem(scene, body if comm.rank == 0 else None, comm)
     problem.timer.seconds["mesh"] = meshed
     factor = Factor(problem)
-    tip = Tip(body)
+    tip = Tip(scene, body)
     rows = [row for _, row in found]
 
     def keep(item: PathState) -> None:

@@ -60,7 +60,7 @@ class Geometry(_Section):
     convolutions: Annotated[int, Field(ge=1, le=100)]
     collar_mm: Length = 3.0
     fillet_mm: Annotated[float, Field(ge=0.1, le=100.0)] = 0.5
-    tip: Literal["cap"] = "cap"
+    tip: Literal["cap", "rigid"] = "cap"  # rigid: a plate bonded to the open end; cap_mm has no meaning then
     cap_mm: Length = 5.0
 
 
@@ -193,7 +193,7 @@ def shape_of(scene: Scene) -> BellowsShape:
         collar_mm=g.collar_mm,
         seat_mm=0.0 if scene.rings.model == "none" else scene.rings.seat_mm,
         fillet_mm=g.fillet_mm,
-        cap_mm=g.cap_mm,
+        cap_mm=g.cap_mm if g.tip == "cap" else 0.0,
     )
 
 

@@ -140,7 +140,7 @@ def _ring_boxes(
     for pressure in pressures_kpa:
         saved = load_state(run, content_hash, 1e-3 * pressure)
         if saved is not None:
-            out[pressure] = boxes(saved[0].bodies_mm[:, 2])
+            out[pressure] = boxes(saved[0].bodies_mm[: len(shape.crest_positions_mm), 2])
     return out
 
 

@@ -1,0 +1,55 @@
+"""Fields for ParaView: node order of every kind of cell, stretches and pressures of known states."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from meshes.cells import HEXAHEDRON_NODES, QUADRILATERAL_NODES
+from meshes.revolve import revolve
+from meshes.sweep import revolve_hexahedra
+from solvers.output import pressure_at_nodes, principal_stretches, vtk_grid
+from solvers.state import State
+
+
+@pytest.fixture(scope="module")
+def body(strip):
+    def make(cells: str):
+        quadrilaterals = cells == "hexahedra"
+        flat = strip(5.0, 6.0, 2.0, 1, 1, 0.1, quadrilaterals)
+        return revolve_hexahedra(flat, 6) if quadrilaterals else revolve(flat, 6)
+
+    return make
+
+
+@pytest.mark.parametrize(("dimension", "name"), [(2, "vtkBiQuadraticQuad"), (3, "vtkTriQuadraticHexahedron")])
+def test_nodes_are_in_vtks_order(dimension: int, name: str) -> None:
+    import vtk
+
+    from solvers.output import _VTK
+
+    cell = getattr(vtk, name)()
+    count = cell.GetNumberOfPoints()
+    flat = cell.GetParametricCoords()
+    at = np.array([flat[k] for k in range(3 * count)]).reshape(count, 3)[:, :dimension]
+    kind, order = _VTK["quadrilateral" if dimension == 2 else "hexahedron"]
+    nodes = QUADRILATERAL_NODES if dimension == 2 else HEXAHEDRON_NODES
+    assert kind == cell.GetCellType()
+    assert np.array_equal(0.5 * nodes[order], at)
+
+
+@pytest.mark.parametrize("cells", ["tetrahedra", "hexahedra"])
+def test_stretches_and_pressures_of_known_states(body, cells: str) -> None:
+    mesh = body(cells)
+    f = np.diag([0.8, 1.25, 1.6])
+    p = 0.1 + 0.02 * mesh.points[:, 2]
+    p_state = p[mesh.cells[:, : mesh.cell.corners]] if cells == "hexahedra" else p
+    state = State(mesh.points @ (f - np.eye(3)), p_state, np.zeros((0, 0)), 0.0)
+    # an affine state: round-off
+    assert principal_stretches(mesh, state) == pytest.approx(np.tile([0.8, 1.25, 1.6], (len(p), 1)), rel=1e-12)
+    assert pressure_at_nodes(mesh, state)[mesh.corners] == pytest.approx(p[mesh.corners], rel=1e-12)
+    grid = vtk_grid(mesh, state)
+    assert grid.point_data["stretch_max"].max() == pytest.approx(1.6, rel=1e-12)
+    # VTK's own volume, of cells split into straight pieces, tells order and orientation: 60 degrees per parabola
+    exact = np.pi * (36.0 - 25.0) * 2.0
+    assert abs(grid.compute_cell_sizes()["Volume"]).sum() == pytest.approx(exact, rel=0.2)
