@@ -142,6 +142,16 @@ class Problem:
                 stiff,
                 measures,
             )
+            kind, loaded = surfaces.load
+            # UFL takes arguments made after a compilation for others than those made before: all forms come first, and
+            # those of the bodies, which compile some, last.
+            load = load_forms(kind, self.space, self.state, kin, ds(loaded))
+            tangents = {
+                conservative: load_tangent(
+                    forms.tangent, load, kind, conservative, self.space, self.state, self.pressure
+                )
+                for conservative in (True, False)
+            }
             self.bonded = None
             if bodies is not None and surfaces.bond is not None:
                 grade = self._nodal_function(bodies.grade)
@@ -150,18 +160,9 @@ class Problem:
                 forms = replace(
                     forms,
                     internal_force=forms.internal_force + self.bonded.force,
-                    tangent=forms.tangent + self.bonded.stiffness,
                     energy=forms.energy + self.bonded.energy,
                 )
-            kind, loaded = surfaces.load
-            load = load_forms(kind, self.space, self.state, kin, ds(loaded))
-            # UFL takes arguments made after a compilation for others than those made before: all forms come first.
-            tangents = {
-                conservative: load_tangent(
-                    forms.tangent, load, kind, conservative, self.space, self.state, self.pressure
-                )
-                for conservative in (True, False)
-            }
+                tangents = {key: form + self.bonded.stiffness for key, form in tangents.items()}
             self._internal = compat.compile_form(forms.internal_force)
             self._energy = compat.compile_form(forms.energy)
             self._volume = compat.compile_form(load.volume)
