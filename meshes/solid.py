@@ -12,7 +12,7 @@ __all__ = ["FACETS", "REGIONS", "TETRAHEDRON_EDGES", "TRIANGLE_EDGES", "FloatArr
 
 REGIONS = {"elastomer": 1, "cap": 2, "ring": 3}
 # ``start`` and ``end`` are the faces of a sector at angle 0 and at its full angle, ``bottom`` and ``top`` the planes in
-# which a tube or half a sphere ends.
+# which a tube or half a sphere ends, ``symmetry_x`` a plane x = const in a user's mesh.
 FACETS = {
     "cavity": 1,
     "clamped": 2,
@@ -24,6 +24,9 @@ FACETS = {
     "end": 8,
     "bottom": 9,
     "top": 10,
+    "symmetry_x": 11,
+    "symmetry_y": 12,
+    "symmetry_z": 13,
 }
 
 

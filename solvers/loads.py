@@ -2,13 +2,14 @@
 
 A load factor P (MPa) acts through a functional g (mm^3) with the potential ``-P g(u)``:
 
-=========  ===========================================  =================================================
-load       traction on the loaded surface               g
-=========  ===========================================  =================================================
-cavity     ``-P cof F N``, a pressure from inside       enclosed volume
-external   ``-P cof F N``, a pressure from outside      minus the enclosed volume
-dead       ``+P N``, a tension that keeps direction     ``int u . N dA``, the gain of volume to first order
-=========  ===========================================  =================================================
+=============  ===========================================  =================================================
+load           traction on the loaded surface               g
+=============  ===========================================  =================================================
+cavity         ``-P cof F N``, a pressure from inside       enclosed volume
+external       ``-P cof F N``, a pressure from outside      minus the enclosed volume
+dead           ``+P N``, a tension that keeps direction     ``int u . N dA``, the gain of volume to first order
+dead_pressure  ``-P N``, a push that keeps direction        ``-int u . N dA``
+=============  ===========================================  =================================================
 
 With N out of the solid a pressure from inside and from outside have the same form, ``-1/2 int (x, y, 0) . cof F N dA``;
 it is the volume when the surface is closed by planes z = const, x = 0 or y = 0 that are not meshed.
@@ -23,7 +24,9 @@ import ufl
 
 from solvers.kinematics import Kinematics, cofactor
 
-LoadKind = Literal["cavity", "external", "dead"]
+LoadKind = Literal["cavity", "external", "dead", "dead_pressure"]
+# Sign of the traction along the normal for loads that keep their direction.
+DEAD = {"dead": 1.0, "dead_pressure": -1.0}
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,7 @@ def load_forms(kind: LoadKind, space: Any, state: Any, kin: Kinematics, measure:
     Parameters
     ----------
     kind
-        ``cavity``, ``external`` or ``dead``.
+        See the module's heading.
     space, state
         Mixed space and the state (u, p) in it.
     kin
@@ -64,9 +67,9 @@ def load_forms(kind: LoadKind, space: Any, state: Any, kin: Kinematics, measure:
     """
     u, _ = ufl.split(state)
     v = kin.three(ufl.TestFunctions(space)[0])
-    if kind == "dead":
-        volume = ufl.inner(kin.three(u), kin.normal) * kin.measure * measure
-        traction = ufl.inner(kin.normal, v) * kin.measure * measure
+    if kind in DEAD:
+        volume = DEAD[kind] * ufl.inner(kin.three(u), kin.normal) * kin.measure * measure
+        traction = DEAD[kind] * ufl.inner(kin.normal, v) * kin.measure * measure
     else:
         area = cofactor(ufl.Identity(3) + kin.gradient(u)) * kin.normal
         volume = -0.5 * ufl.inner(kin.transverse_position(u), area) * kin.measure * measure
@@ -81,7 +84,7 @@ def load_tangent(
 
     Symmetric if ``conservative``; a dead load adds nothing.
     """
-    if kind == "dead":
+    if kind in DEAD:
         return internal
     force = load.volume_gradient if conservative else load.traction
     return internal - factor * ufl.derivative(force, state, ufl.TrialFunction(space))

@@ -41,15 +41,16 @@ class Surfaces:
 
     Attributes
     ----------
-    cavity, external, dead
-        The loaded surface, exactly one of the three: by a pressure from inside, by a pressure from outside (both
-        follow the surface), or by a tension along the reference normal that keeps its direction.
+    cavity, external, dead, dead_pressure
+        The loaded surface, exactly one of the four: by a pressure from inside, by a pressure from outside (both
+        follow the surface), or by a tension or a pressure along the reference normal that keeps its direction.
     clamped
         All displacement components are zero.
     bond
         Bonded to rigid bodies.
     held
         Pairs (facet number, component) with zero displacement: symmetry planes, the axis of a meridian, rollers.
+        Components are those of the problem's frame.
     pinned
         Pairs (caller's node, component) with zero displacement, to hold a free body's motions.
     """
@@ -61,6 +62,7 @@ class Surfaces:
     external: int | None = None
     dead: int | None = None
     pinned: tuple[tuple[int, int], ...] = ()
+    dead_pressure: int | None = None
 
     @property
     def load(self) -> tuple[LoadKind, int]:
@@ -71,10 +73,15 @@ class Surfaces:
         SolverError
             If there is none or more than one.
         """
-        kinds: dict[LoadKind, int | None] = {"cavity": self.cavity, "external": self.external, "dead": self.dead}
+        kinds: dict[LoadKind, int | None] = {
+            "cavity": self.cavity,
+            "external": self.external,
+            "dead": self.dead,
+            "dead_pressure": self.dead_pressure,
+        }
         given = [(kind, number) for kind, number in kinds.items() if number is not None]
         if len(given) != 1:
-            raise SolverError(f"a problem needs one loaded surface, got {len(given)}: set cavity, external or dead")
+            raise SolverError(f"a problem needs one loaded surface, got {len(given)}: set one of {', '.join(kinds)}")
         return given[0]
 
 
@@ -99,6 +106,9 @@ class Problem:
         Displacement and pressure spaces; default the usual ones of the mesh's cells.
     quadrature_degree
         Default that of the mesh's cells.
+    frame
+        Directions of the displacement's components as columns, shape (3, 3), in 3D without bodies: with one along
+        each of two oblique planes of symmetry the other component is what each of them holds. Default: x, y, z.
     """
 
     def __init__(
@@ -111,6 +121,7 @@ class Problem:
         bodies: RigidBodies | None = None,
         element: Element | None = None,
         quadrature_degree: int | None = None,
+        frame: FloatArray | None = None,
     ) -> None:
         compat.align_counters()
         self.domain, self.comm = domain, domain.comm
@@ -125,7 +136,9 @@ class Problem:
         self._number_unknowns()
 
         degree = quadrature_degree or QUADRATURE_DEGREE[domain.cell_name]
-        kin = kinematics(mesh, domain.axisymmetric)
+        assert frame is None or bodies is None
+        self.frame = np.eye(self.dimension) if frame is None else frame
+        kin = kinematics(mesh, domain.axisymmetric, None if frame is None else fem.Constant(mesh, frame))
         dx, ds = domain.dx(degree=degree), domain.ds(degree=degree)
         if stiff is None:
             measures = {"soft": ufl.dx(domain=mesh, degree=degree)}
@@ -477,8 +490,9 @@ class Problem:
         """Make a state in the caller's numbering the current one; constraints are imposed exactly."""
         array = self.state.x.array
         known = self.u_dofs[:, 0] >= 0
+        components = state.displacement_mm[self.domain.input_node[known]] @ np.linalg.inv(self.frame).T
         for i in range(self.dimension):
-            array[self.u_dofs[known, i]] = state.displacement_mm[self.domain.input_node[known], i]
+            array[self.u_dofs[known, i]] = components[:, i]
         if state.pressure_mpa.shape != self.pressure_shape:
             raise SolverError(f"state has pressures of shape {state.pressure_mpa.shape}, need {self.pressure_shape}")
         if self.element.pressure == "continuous":
@@ -502,7 +516,7 @@ class Problem:
         domain, array = self.domain, self.state.x.array
         known = self.u_dofs[:, 0] >= 0
         u = np.zeros((len(known), self.dimension))
-        u[known] = array[self.u_dofs[known]]
+        u[known] = array[self.u_dofs[known]] @ self.frame.T
         if self.element.displacement_degree == 1:
             geometry = compat.geometry_dofs(domain.mesh)
             u[geometry] = np.einsum("nk,cki->cni", self._linear_at_nodes, u[geometry[:, : domain.corners]])
