@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from solvers.domain import FloatArray, IntArray, MeshArrays
+from solvers.files import write_atomically
 from solvers.state import State
 
 # Reference positions of the ten (six) nodes in basix order, and VTK's order of the same nodes.
@@ -82,6 +84,43 @@ def vtk_grid(mesh: MeshArrays, state: State) -> Any:
     grid.point_data["pressure_kpa"] = 1e3 * pressure_on_all_nodes(mesh.cells, dimension, state.pressure_mpa)
     grid.cell_data["region"] = mesh.regions
     return grid
+
+
+def write_mode(path: Path, mesh: MeshArrays, state: State, mode: State) -> None:
+    """Write a critical mode: ``path.npz`` to draw it from, ``path.vtu`` for ParaView.
+
+    Parameters
+    ----------
+    path
+        File name without its ending.
+    mesh
+        The body or the meridian.
+    state, mode
+        The state at the crossing, and the mode in it, 1 mm at most.
+    """
+    import pyvista
+
+    shapes = {"displacement_mm": state.displacement_mm, "mode_mm": mode.displacement_mm}
+    buffer = io.BytesIO()
+    np.savez(
+        buffer,
+        points_mm=mesh.points,
+        cells=mesh.cells,
+        regions=mesh.regions,
+        bodies_mm=state.bodies_mm,
+        mode_bodies_mm=mode.bodies_mm,
+        load_mpa=state.load_mpa,
+        **shapes,
+    )
+    write_atomically(path.with_suffix(".npz"), buffer.getvalue())
+    dimension = mesh.points.shape[1]
+    flat = {"points": mesh.points, **shapes}
+    if dimension == 2:  # ParaView wants three components
+        flat = {name: np.column_stack([value, np.zeros(len(value))]) for name, value in flat.items()}
+    grid = pyvista.UnstructuredGrid({_VTK_TYPE[dimension]: mesh.cells[:, _VTK_ORDER[dimension]]}, flat.pop("points"))
+    for name, value in flat.items():
+        grid.point_data[name] = value
+    grid.save(path.with_suffix(".vtu"))
 
 
 def write_vtu(path: Path, mesh: MeshArrays, state: State) -> None:

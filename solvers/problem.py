@@ -187,6 +187,9 @@ class Problem:
         self.shear_modulus_mpa = float(law.initial_shear_modulus_mpa)
         unit = compat.assemble_array(unit_form, self.index_map).array[: self.owned]
         self.volume_scale = float(np.sqrt(self.comm.allreduce(float(unit @ unit), op=MPI.SUM)))
+        # what volumes are measured by: the unloaded one, or the body's where the load encloses none
+        body = float(self.comm.allreduce(float(unit.sum()), op=MPI.SUM))
+        self.volume_unit_mm3 = body if kind == "dead" else abs(self.cavity_volume())
         self.expected_negatives = int(
             self.comm.allreduce(int((self.owned_pressure & ~self.constrained_owned).sum()), op=MPI.SUM)
         )
