@@ -49,7 +49,7 @@ class NewtonSettings:
     reuse_below: float = 0.1
     max_cuts: int = 6
     least_det_f: float = 0.05
-    line_search: int = 0
+    line_search: int = 1
 
 
 @dataclass(frozen=True)
@@ -203,7 +203,7 @@ def _residual(problem: Problem, volume_mm3: float | None) -> _Residual:
     error = np.sqrt(sums[0] + on_bodies @ on_bodies) / load + np.sqrt(sums[1]) / problem.volume_scale
     if volume_mm3 is not None:
         volume = problem.cavity_volume()
-        error += abs(volume_mm3 - volume) / max(abs(volume_mm3), abs(volume))
+        error += abs(volume_mm3 - volume) / max(abs(volume_mm3), problem.volume_unit_mm3)
     return _Residual(residual, on_bodies, unit_load, gradient, float(error))
 
 

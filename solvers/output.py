@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,8 @@ import basix
 import numpy as np
 
 from solvers.compat import CELL_NAMES
-from solvers.domain import FloatArray, MeshArrays
+from solvers.domain import FloatArray, IntArray, MeshArrays
+from solvers.files import write_atomically
 from solvers.state import State, pressure_at_corners
 
 # VTK's number of a quadratic cell and its order of the nodes, in basix' numbers.
@@ -91,6 +93,43 @@ def vtk_grid(mesh: MeshArrays, state: State) -> Any:
     grid.point_data["pressure_kpa"] = 1e3 * pressure_at_nodes(mesh, state)
     grid.cell_data["region"] = mesh.regions
     return grid
+
+
+def write_mode(path: Path, mesh: MeshArrays, state: State, mode: State) -> None:
+    """Write a critical mode: ``path.npz`` to draw it from, ``path.vtu`` for ParaView.
+
+    Parameters
+    ----------
+    path
+        File name without its ending.
+    mesh
+        The body or the meridian.
+    state, mode
+        The state at the crossing, and the mode in it, 1 mm at most.
+    """
+    import pyvista
+
+    shapes = {"displacement_mm": state.displacement_mm, "mode_mm": mode.displacement_mm}
+    buffer = io.BytesIO()
+    np.savez(
+        buffer,
+        points_mm=mesh.points,
+        cells=mesh.cells,
+        regions=mesh.regions,
+        bodies_mm=state.bodies_mm,
+        mode_bodies_mm=mode.bodies_mm,
+        load_mpa=state.load_mpa,
+        **shapes,
+    )
+    write_atomically(path.with_suffix(".npz"), buffer.getvalue())
+    flat = {"points": mesh.points, **shapes}
+    if mesh.points.shape[1] == 2:  # ParaView wants three components
+        flat = {name: np.column_stack([value, np.zeros(len(value))]) for name, value in flat.items()}
+    kind, order = _VTK[_cell_name(mesh)]
+    grid = pyvista.UnstructuredGrid({kind: mesh.cells[:, order]}, flat.pop("points"))
+    for name, value in flat.items():
+        grid.point_data[name] = value
+    grid.save(path.with_suffix(".vtu"))
 
 
 def write_vtu(path: Path, mesh: MeshArrays, state: State) -> None:

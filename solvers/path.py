@@ -1,174 +1,38 @@
-"""Equilibrium paths: volume-controlled steps that hit every asked pressure exactly, or direct warm starts."""
+"""Equilibrium paths that hit every asked pressure exactly, in steps of volume or pressure, or from warm starts."""
 
 from __future__ import annotations
 
+import dataclasses
+import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-import numpy as np
-
-from solvers.domain import FloatArray
-from solvers.errors import StepFailed
+from solvers.diagnosis import failed_steps, too_large
+from solvers.errors import Cause, StepFailed
 from solvers.linear import Factor
-from solvers.newton import NewtonReport, NewtonSettings, solve_equilibrium
+from solvers.newton import NewtonReport, solve_equilibrium
+from solvers.prediction import coordinate, extrapolate, predicted_pressure, volume_at_pressure
 from solvers.problem import Problem
-from solvers.state import State
+from solvers.records import (
+    Control,
+    Crossing,
+    GuessMemory,
+    Path,
+    PathMemory,
+    PathPoint,
+    PathSettings,
+    PathState,
+    Progress,
+    point_of,
+)
+from solvers.stability import locate_crossing, lost_stability
+from solvers.state import State, combine
+
+__all__ = ["Path", "PathSettings", "PathState", "Progress", "follow_guesses", "follow_path"]
 
 
-@dataclass(frozen=True)
-class PathSettings:
-    """Step control.
-
-    Attributes
-    ----------
-    first_step, largest_step
-        Volume steps as fractions of the unloaded cavity volume.
-    smallest_step
-        Below this fraction the path is given up.
-    few_iterations, many_iterations
-        The step grows by ``growth`` at or below the first, shrinks by ``shrink`` above the second.
-    largest_volume
-        The path ends when the cavity exceeds this multiple of its unloaded volume.
-    newton
-        Settings of each solve.
-    """
-
-    first_step: float = 0.05
-    largest_step: float = 0.5
-    smallest_step: float = 1e-4
-    few_iterations: int = 5
-    many_iterations: int = 8
-    growth: float = 1.5
-    shrink: float = 0.6
-    largest_volume: float = 40.0
-    newton: NewtonSettings = field(default_factory=NewtonSettings)
-
-
-@dataclass(frozen=True)
-class PathState:
-    """A converged state of a path.
-
-    Attributes
-    ----------
-    state
-        Fields in the caller's numbering.
-    asked
-        True if the pressure was one of the asked ones.
-    control
-        ``pressure`` or ``volume``: which was held in the solve.
-    volume_mm3, energy_mj, reaction_n
-        Enclosed volume, stored energy, axial support force.
-    bond_slip_mm
-        Root mean square slip of the bond to rigid bodies, weighted with its grade; NaN without bodies.
-    newton
-        Cost and checks of the solve.
-    wall_s
-        Seconds since the path began.
-    """
-
-    state: State
-    asked: bool
-    control: str
-    volume_mm3: float
-    energy_mj: float
-    reaction_n: float
-    bond_slip_mm: float
-    newton: NewtonReport
-    wall_s: float
-
-
-@dataclass(frozen=True)
-class Path:
-    """A path and how it ended.
-
-    Attributes
-    ----------
-    states
-        Converged states in order.
-    reached
-        True if all asked pressures were reached.
-    reason
-        Why it stopped, if not reached.
-    rejected
-        Number of steps given up and repeated smaller.
-    """
-
-    states: tuple[PathState, ...]
-    reached: bool
-    reason: str
-    rejected: int
-
-
-Progress = Callable[[str, float, int, float], None]
-
-
-@dataclass(frozen=True)
-class _Point:
-    """Internal copy of a state: dofs with ghosts, bodies, pressure, volume."""
-
-    array: FloatArray
-    bodies: FloatArray
-    pressure: float
-    volume: float
-
-
-def _take(problem: Problem) -> _Point:
-    return _Point(
-        problem.state.x.array.copy(),
-        problem.body_values.copy(),
-        float(problem.pressure.value),
-        problem.cavity_volume(),
-    )
-
-
-def _put(problem: Problem, point: _Point) -> None:
-    problem.state.x.array[:] = point.array
-    _put_bodies(problem, point.bodies)
-    problem.pressure.value = point.pressure
-
-
-def _put_bodies(problem: Problem, values: FloatArray) -> None:
-    if problem.bonded is not None:
-        problem.bonded.values[:] = values
-        problem.bonded.update(np.zeros(0))
-
-
-def _lagrange(nodes: Sequence[float], at: float) -> FloatArray:
-    """Weights of the polynomial through ``nodes``, evaluated at ``at``."""
-    weights = np.ones(len(nodes))
-    for i, x in enumerate(nodes):
-        for j, y in enumerate(nodes):
-            if i != j:
-                weights[i] *= (at - y) / (x - y)
-    return weights
-
-
-def _extrapolate(problem: Problem, history: Sequence[_Point], volume: float) -> float:
-    """Set the state to the polynomial in V through the last three states; returns the pressure there."""
-    last, here = history[-3:], history[-1]
-    weights = _lagrange([h.volume for h in last], volume)
-    problem.state.x.array[:] = sum(w * h.array for w, h in zip(weights, last, strict=True))
-    _put_bodies(problem, sum((w * h.bodies for w, h in zip(weights, last, strict=True)), 0.0 * here.bodies))
-    pressure = float(sum(w * h.pressure for w, h in zip(weights, last, strict=True)))
-    problem.pressure.value = pressure
-    return pressure
-
-
-def _predicted_pressure(history: Sequence[_Point], volume: float) -> float:
-    last = history[-3:]
-    return float(_lagrange([h.volume for h in last], volume) @ np.array([h.pressure for h in last]))
-
-
-def _volume_at_pressure(history: Sequence[_Point], low: float, high: float, pressure: float) -> float:
-    """Volume in [low, high] at which the predicted pressure is the given one, by bisection."""
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if _predicted_pressure(history, middle) < pressure else (low, middle)
-    return 0.5 * (low + high)
-
-
-def _record(problem: Problem, report: NewtonReport, asked: bool, control: str, start: float) -> PathState:
+def _record(problem: Problem, report: NewtonReport, asked: bool, control: Control, start: float) -> PathState:
     return PathState(
         state=problem.get_state(),
         asked=asked,
@@ -182,27 +46,201 @@ def _record(problem: Problem, report: NewtonReport, asked: bool, control: str, s
     )
 
 
-def _solve_at(
-    problem: Problem,
-    factor: Factor,
-    settings: PathSettings,
-    pressure: float,
-    least_volume: float,
-    begin: float,
-    progress: Progress | None,
-) -> tuple[PathState, _Point]:
-    """Solve at an asked pressure from the current guess.
+@dataclass
+class _Walk:
+    """A path on its way: what `PathMemory` keeps, and the failures since the last converged state."""
 
-    Raises
-    ------
-    StepFailed
-        Also if the solution lies behind the last state, on another branch.
-    """
-    seen = None if progress is None else (lambda k, e: progress("asked pressure", pressure, k, e))
-    report = solve_equilibrium(problem, factor, settings.newton, pressure_mpa=pressure, on_iteration=seen)
-    if problem.cavity_volume() <= least_volume:
-        raise StepFailed("pressure control fell back to a smaller volume")
-    return _record(problem, report, True, "pressure", begin), _take(problem)
+    history: list[PathPoint]
+    control: Control
+    step: float
+    reached: int
+    rejected: int
+    stiffest: float
+    crossing: Crossing | None
+    failures: int = 0
+    switched: bool = False
+
+    @property
+    def here(self) -> PathPoint:
+        return self.history[-1]
+
+    def memory(self) -> PathMemory:
+        return PathMemory(
+            tuple(self.history), self.control, self.step, self.reached, self.rejected, self.stiffest, self.crossing
+        )
+
+
+@dataclass(frozen=True)
+class _Aim:
+    """The next solve: what is held at which value, how far that is in the walk's control, and if it was asked for."""
+
+    control: Control
+    value: float
+    size: float
+    asked: bool
+    guess: State
+
+
+class _Follower:
+    """Settings and surroundings of one call of `follow_path`, so that its parts need not hand them on."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        factor: Factor,
+        targets: Sequence[float],
+        settings: PathSettings,
+        progress: Progress | None,
+    ) -> None:
+        self.problem, self.factor, self.targets = problem, factor, list(targets)
+        self.settings, self.progress = settings, progress
+        self.begin = time.perf_counter()
+        self.unit: dict[Control, float] = {"volume": problem.volume_unit_mm3, "pressure": self.targets[-1]}
+        self.largest: dict[Control, float] = {
+            "volume": settings.largest_step * self.unit["volume"],
+            "pressure": settings.largest_pressure_step * self.unit["pressure"],
+        }
+
+    def first_step(self, control: Control) -> float:
+        share = self.settings.first_step if control == "volume" else self.settings.first_pressure_step
+        return share * self.unit[control]
+
+    def start(self) -> _Walk:
+        """A walk from the unloaded state."""
+        self.problem.set_state(self.problem.zero_state())
+        rest = PathPoint(self.problem.get_state(), self.problem.cavity_volume(), math.nan, 0)
+        control = self.settings.start_control if self.settings.control == "auto" else self.settings.control
+        return _Walk([rest], control, self.first_step(control), 0, 0, 0.0, None)
+
+    # ---- one step --------------------------------------------------------------------------------------
+
+    def aim(self, walk: _Walk) -> _Aim:
+        """Where the next step goes; an asked pressure that it would pass is solved for instead."""
+        here, target = walk.here, self.targets[walk.reached]
+        if walk.control == "pressure":
+            left = target - here.pressure_mpa
+            count = max(1, math.ceil(left / walk.step - 0.1))  # no sliver before the asked pressure
+            value = target if count == 1 else here.pressure_mpa + left / count
+            guess = extrapolate(walk.history, "pressure", value)
+            return _Aim("pressure", value, value - here.pressure_mpa, count == 1, guess)
+        volume = here.volume_mm3 + walk.step
+        if len(walk.history) >= 3 and predicted_pressure(walk.history, volume) >= target > here.pressure_mpa:
+            volume = volume_at_pressure(walk.history, here.volume_mm3, volume, target)
+            guess = extrapolate(walk.history, "volume", volume)
+            return _Aim("pressure", target, volume - here.volume_mm3, True, guess)
+        return _Aim("volume", volume, walk.step, False, extrapolate(walk.history, "volume", volume))
+
+    def solve(self, aim: _Aim, here: PathPoint) -> PathState:
+        """Equilibrium at an aim.
+
+        Raises
+        ------
+        StepFailed
+            Also if the solution lies behind the last state, or far from where it was expected: on another branch.
+        """
+        problem, settings = self.problem, self.settings.newton
+        problem.set_state(aim.guess)
+        what = "volume step" if aim.control == "volume" else "asked pressure" if aim.asked else "pressure step"
+        shown = aim.guess.load_mpa
+        seen = None if self.progress is None else (lambda k, e, p=self.progress: p(what, shown, k, e))
+        if aim.control == "volume":
+            report = solve_equilibrium(problem, self.factor, settings, volume_mm3=aim.value, on_iteration=seen)
+        else:
+            report = solve_equilibrium(problem, self.factor, settings, pressure_mpa=aim.value, on_iteration=seen)
+            if problem.cavity_volume() < here.volume_mm3 - 1e-9 * self.unit["volume"]:
+                raise StepFailed("pressure control fell back to a smaller volume")
+        return _record(problem, report, aim.asked, aim.control, self.begin)
+
+    def step(self, walk: _Walk, aim: _Aim) -> list[PathState]:
+        """The aimed-at state, and before it asked pressures that were passed without having been foreseen."""
+        here = walk.here
+        found = [self.solve(aim, here)]
+        if aim.control == "pressure":
+            return found
+        end = point_of(found[0])
+        passed = [p for p in self.targets[walk.reached :] if here.pressure_mpa < p <= end.pressure_mpa]
+        around = [*walk.history[-2:], end]
+        for pressure in reversed(passed):
+            volume = volume_at_pressure(around, here.volume_mm3, found[0].volume_mm3, pressure)
+            guess = extrapolate(around, "volume", volume)
+            found.insert(0, self.solve(_Aim("pressure", pressure, 0.0, True, guess), here))
+        return found
+
+    # ---- after a step ----------------------------------------------------------------------------------
+
+    def keep(self, walk: _Walk, item: PathState) -> None:
+        """Take a converged state into the walk; a change of its stability is located."""
+        new = point_of(item)
+        if walk.crossing is None and self.settings.crossing_tolerance > 0.0 and lost_stability(walk.here, new):
+            newton, tolerance = self.settings.newton, self.settings.crossing_tolerance
+            walk.crossing = locate_crossing(self.problem, self.factor, newton, walk.here, new, tolerance)
+        # nearly coincident states would spoil the extrapolation
+        control = walk.control
+        while len(walk.history) > 1 and (coordinate(new, control) - coordinate(walk.here, control) < 0.05 * walk.step):
+            walk.history.pop()
+        walk.history.append(new)
+        del walk.history[:-3]
+        walk.stiffest = max(walk.stiffest, new.slope_mpa_per_mm3)
+        walk.reached += item.asked
+
+    def adapt(self, walk: _Walk, aim: _Aim, iterations: int) -> None:
+        """Step size, and with ``auto`` the control, after a step that worked."""
+        settings = self.settings
+        walk.failures, walk.switched = 0, False
+        if iterations > settings.many_iterations:
+            walk.step *= settings.shrink
+        elif iterations <= settings.few_iterations and (not aim.asked or aim.size >= 0.99 * walk.step):
+            walk.step = min(walk.step * settings.growth, self.largest[walk.control])
+        if settings.control != "auto":
+            return
+        if walk.control == "pressure":
+            soft = walk.here.slope_mpa_per_mm3 < settings.soft * walk.stiffest
+            home = settings.start_control == "volume" and self._volume_responds(walk)
+            if soft or walk.here.unstable or home:
+                self._switch(walk, "volume")
+        elif settings.start_control == "pressure" and self._pressure_is_safe(walk, 2.0 * settings.soft):
+            self._switch(walk, "pressure")
+
+    def _pressure_is_safe(self, walk: _Walk, share: float) -> bool:
+        """Stable at held pressure and far from a limit point."""
+        if len(walk.history) == 1:
+            return True
+        return not walk.here.unstable and walk.here.slope_mpa_per_mm3 > share * walk.stiffest
+
+    def _volume_responds(self, walk: _Walk) -> bool:
+        """True if the last step changed the volume by more than what control by volume could not resolve."""
+        change = walk.here.volume_mm3 - walk.history[-2].volume_mm3
+        return change > 1e-6 * self.unit["volume"]
+
+    def _switch(self, walk: _Walk, control: Control) -> None:
+        """Change the control; the step is as large as the last one was in the new measure."""
+        walk.control = control
+        last = [coordinate(p, control) for p in walk.history[-2:]]
+        size = last[-1] - last[0]
+        least = self.settings.smallest_step * self.unit[control]
+        walk.step = min(size, self.largest[control]) if size > least else self.first_step(control)
+
+    def retry(self, walk: _Walk, aim: _Aim, failure: StepFailed) -> bool:
+        """Make the next try after a failed step smaller or of the other kind; False if there is none left."""
+        walk.rejected += 1
+        if failure.cause is Cause.OUT_OF_MEMORY:
+            return False
+        walk.failures += 1
+        if self.settings.control == "auto" and not walk.switched:
+            if walk.control == "pressure":
+                walk.switched = True
+                self._switch(walk, "volume")
+                return True
+            hopeless = failure.cause is Cause.NO_RESPONSE or walk.failures > 2
+            if hopeless and self._pressure_is_safe(walk, self.settings.soft):
+                walk.switched = True
+                self._switch(walk, "pressure")
+                return True
+        walk.step = 0.5 * min(walk.step, aim.size)
+        return (
+            failure.cause is not Cause.NO_RESPONSE
+            and walk.step >= self.settings.smallest_step * self.unit[walk.control]
+        )
 
 
 def follow_path(
@@ -212,11 +250,13 @@ def follow_path(
     settings: PathSettings,
     progress: Progress | None = None,
     on_state: Callable[[PathState], None] | None = None,
+    on_step: Callable[[PathMemory], None] | None = None,
+    resume: PathMemory | None = None,
 ) -> Path:
     """Follow the equilibrium path from the unloaded state through ascending asked pressures.
 
-    Steps are taken in cavity volume, which passes limit points of the pressure. When a step is predicted to
-    pass an asked pressure, that pressure is solved for instead.
+    Steps are taken in volume, which passes limit points of the pressure, or in pressure; see PathSettings.control.
+    When a step is predicted to pass an asked pressure, that pressure is solved for instead.
 
     Parameters
     ----------
@@ -230,79 +270,59 @@ def follow_path(
         Called with (what, pressure in MPa, Newton iteration, relative residual).
     on_state
         Called with each converged state, before the next step is tried.
+    on_step
+        Called after each step, on every rank, with what is needed to go on from there.
+    resume
+        Such a memory: the path goes on after it, with the same steps as if it had not been interrupted.
 
     Returns
     -------
     Path
     """
-    begin = time.perf_counter()
-    problem.set_state(problem.zero_state())
-    history = [_take(problem)]
-    unit = abs(history[0].volume)
-    step = settings.first_step * unit
+    follower = _Follower(problem, factor, pressures_mpa, settings, progress)
+    if resume is None:
+        walk = follower.start()
+    else:
+        walk = _Walk(
+            list(resume.history),
+            resume.control,
+            resume.step,
+            resume.reached,
+            resume.rejected,
+            resume.stiffest_mpa_per_mm3,
+            resume.crossing,
+        )
     states: list[PathState] = []
-    rejected = 0
-    targets = list(pressures_mpa)
-    reason = ""
-
-    def keep(state: PathState, point: _Point) -> None:
-        """Record a converged state; nearly coincident states would spoil the extrapolation."""
-        while len(history) > 1 and point.volume - history[-1].volume < 0.05 * step:
-            history.pop()
-        history.append(point)
-        del history[:-3]
-        states.append(state)
-        if on_state is not None:
-            on_state(state)
-
-    while targets:
-        here = history[-1]
-        volume = here.volume + step
-        aim: float | None = None
-        if len(history) >= 3 and _predicted_pressure(history, volume) >= targets[0] > here.pressure:
-            aim = targets[0]
-            volume = _volume_at_pressure(history, here.volume, volume, aim)
-        _extrapolate(problem, history, volume)
-        found: list[tuple[PathState, _Point]] = []
+    cause, reason = Cause.REACHED, ""
+    while walk.reached < len(follower.targets):
+        aim = follower.aim(walk)
         try:
-            if aim is not None:
-                found.append(_solve_at(problem, factor, settings, aim, here.volume, begin, progress))
-            else:
-                shown = float(problem.pressure.value)
-                seen = None if progress is None else (lambda k, e, b=shown: progress("volume step", b, k, e))
-                report = solve_equilibrium(problem, factor, settings.newton, volume_mm3=volume, on_iteration=seen)
-                found.append((_record(problem, report, False, "volume", begin), _take(problem)))
-                # The step may have passed asked pressures that were not foreseen: they lie between.
-                passed = [p for p in targets if here.pressure < p <= found[0][1].pressure]
-                around = [*history[-2:], found[0][1]]
-                for pressure in reversed(passed):
-                    beyond = found[0][1].volume
-                    _extrapolate(problem, around, _volume_at_pressure(around, here.volume, beyond, pressure))
-                    found.insert(0, _solve_at(problem, factor, settings, pressure, here.volume, begin, progress))
+            found = follower.step(walk, aim)
         except StepFailed as failure:
-            rejected += 1
-            _put(problem, here)
-            step = 0.5 * min(step, volume - here.volume)
-            if step < settings.smallest_step * unit:
-                reason = f"steps became smaller than {settings.smallest_step:g} of the volume: {failure}"
-                break
-            continue
-        for state, point in found:
-            keep(state, point)
-            if state.asked:
-                targets.pop(0)
-            if not targets:  # a volume step that went beyond the last asked pressure is not part of the answer
-                break
-        _put(problem, history[-1])
-        iterations = max(state.newton.iterations for state, _ in found)
-        if iterations > settings.many_iterations:
-            step *= settings.shrink
-        elif iterations <= settings.few_iterations and aim is None:
-            step = min(step * settings.growth, settings.largest_step * unit)
-        if history[-1].volume > settings.largest_volume * unit:
-            reason = f"the cavity exceeds {settings.largest_volume:g} times its unloaded volume"
+            problem.set_state(walk.here.state)
+            control = walk.control
+            if follower.retry(walk, aim, failure):
+                continue
+            cause, reason = failed_steps(failure, walk.history, walk.crossing, control, walk.stiffest)
             break
-    return Path(tuple(states), not targets, reason, rejected)
+        for item in found:
+            follower.keep(walk, item)
+            states.append(item)
+            if on_state is not None:
+                on_state(item)
+            if walk.reached == len(follower.targets):
+                break  # a volume step that went beyond the last asked pressure is not part of the answer
+        problem.set_state(walk.here.state)
+        follower.adapt(walk, aim, max(item.newton.iterations for item in found))
+        if on_step is not None:
+            on_step(walk.memory())
+        if walk.here.volume_mm3 > settings.largest_volume * problem.volume_unit_mm3:
+            if walk.reached < len(follower.targets):
+                highest = max((point_of(s) for s in states), key=lambda p: p.pressure_mpa)
+                asked = follower.targets[walk.reached]
+                cause, reason = too_large(settings.largest_volume, highest, asked, walk.crossing)
+            break
+    return Path(tuple(states), cause is Cause.REACHED, reason, walk.rejected, cause, walk.crossing)
 
 
 def follow_guesses(
@@ -312,7 +332,8 @@ def follow_guesses(
     settings: PathSettings,
     progress: Progress | None = None,
     on_state: Callable[[PathState], None] | None = None,
-    start: tuple[State, State] | None = None,
+    on_step: Callable[[GuessMemory], None] | None = None,
+    resume: GuessMemory | None = None,
 ) -> Path:
     """Solve at the pressures of given first guesses, each corrected by what the previous one lacked.
 
@@ -323,11 +344,9 @@ def follow_guesses(
     guesses
         States close to the wanted ones, in order; their ``load_mpa`` are the asked pressures.
     settings
-        Its Newton settings are used.
-    progress, on_state
-        As in `follow_path`.
-    start
-        A converged state and the guess it came from, to go on after an interruption; default unloaded.
+        Its Newton settings and crossing tolerance are used.
+    progress, on_state, on_step, resume
+        As in `follow_path`; with ``resume`` the guesses are still all of them.
 
     Returns
     -------
@@ -335,49 +354,49 @@ def follow_guesses(
     """
     begin = time.perf_counter()
     states: list[PathState] = []
-    rejected = 0
-    last, last_guess = start if start is not None else (problem.zero_state(), problem.zero_state())
-    for goal in guesses:
-        share = 1.0
-        while True:
-            target = goal if share >= 1.0 else _blend(last_guess, goal, share)
-            problem.set_state(_shift(target, last, last_guess))
-            pressure = target.load_mpa
-            seen = None if progress is None else (lambda k, e, b=pressure: progress("warm start", b, k, e))
-            try:
-                report = solve_equilibrium(problem, factor, settings.newton, pressure_mpa=pressure, on_iteration=seen)
-            except StepFailed as failure:
-                rejected += 1
-                share *= 0.5
-                if share < 1.0 / 32.0:
-                    problem.set_state(last)
-                    reason = f"no equilibrium found from the warm start at {1e3 * pressure:g} kPa: {failure}"
-                    return Path(tuple(states), False, reason, rejected)
-                continue
-            states.append(_record(problem, report, share >= 1.0, "pressure", begin))
-            if on_state is not None:
-                on_state(states[-1])
-            last, last_guess = states[-1].state, target
-            if share >= 1.0:
-                break
-            share = min(1.0, 2.0 * share)
-    return Path(tuple(states), True, "", rejected)
-
-
-def _blend(a: State, b: State, share: float) -> State:
-    return State(
-        a.displacement_mm + share * (b.displacement_mm - a.displacement_mm),
-        a.pressure_mpa + share * (b.pressure_mpa - a.pressure_mpa),
-        a.bodies_mm + share * (b.bodies_mm - a.bodies_mm),
-        a.load_mpa + share * (b.load_mpa - a.load_mpa),
-    )
-
-
-def _shift(guess: State, found: State, found_guess: State) -> State:
-    """The guess plus what the last guess lacked."""
-    return State(
-        guess.displacement_mm + found.displacement_mm - found_guess.displacement_mm,
-        guess.pressure_mpa + found.pressure_mpa - found_guess.pressure_mpa,
-        guess.bodies_mm + found.bodies_mm - found_guess.bodies_mm,
-        guess.load_mpa,
-    )
+    if resume is None:
+        problem.set_state(problem.zero_state())
+        rest = PathPoint(problem.get_state(), problem.cavity_volume(), math.nan, 0)
+        memory = GuessMemory(rest, rest.state, 0, 1.0, 0, None)
+    else:
+        memory = resume
+    stiffest = 0.0
+    while memory.reached < len(guesses):
+        share, last = memory.share, memory.last
+        goal = guesses[memory.reached]
+        target = goal if share >= 1.0 else combine([memory.guess, goal], [1.0 - share, share])
+        # the guess plus what the last guess lacked
+        problem.set_state(
+            dataclasses.replace(combine([target, last.state, memory.guess], [1.0, 1.0, -1.0]), load_mpa=target.load_mpa)
+        )
+        pressure = target.load_mpa
+        seen = None if progress is None else (lambda k, e, b=pressure: progress("warm start", b, k, e))
+        try:
+            report = solve_equilibrium(problem, factor, settings.newton, pressure_mpa=pressure, on_iteration=seen)
+        except StepFailed as failure:
+            memory = dataclasses.replace(memory, rejected=memory.rejected + 1, share=0.5 * share)
+            if memory.share < 1.0 / 32.0 or failure.cause is Cause.OUT_OF_MEMORY:
+                problem.set_state(last.state)
+                cause, why = failed_steps(failure, [last], memory.crossing, "pressure", stiffest)
+                reason = f"no equilibrium found from the warm start at {1e3 * pressure:g} kPa: {why}"
+                return Path(tuple(states), False, reason, memory.rejected, cause, memory.crossing)
+            continue
+        states.append(_record(problem, report, share >= 1.0, "pressure", begin))
+        new, crossing = point_of(states[-1]), memory.crossing
+        stiffest = max(stiffest, new.slope_mpa_per_mm3)
+        if crossing is None and settings.crossing_tolerance > 0.0 and lost_stability(last, new):
+            crossing = locate_crossing(problem, factor, settings.newton, last, new, settings.crossing_tolerance)
+            problem.set_state(new.state)
+        if on_state is not None:
+            on_state(states[-1])
+        memory = GuessMemory(
+            last=new,
+            guess=target,
+            reached=memory.reached + (share >= 1.0),
+            share=1.0 if share >= 1.0 else min(1.0, 2.0 * share),
+            rejected=memory.rejected,
+            crossing=crossing,
+        )
+        if on_step is not None:
+            on_step(memory)
+    return Path(tuple(states), True, "", memory.rejected, Cause.REACHED, memory.crossing)

@@ -25,7 +25,7 @@ from solvers.errors import SolverError
 from solvers.forms import build_forms, invariants
 from solvers.kinematics import kinematics
 from solvers.laws import Law, compile_law
-from solvers.loads import LoadKind, load_forms, load_tangent
+from solvers.loads import DEAD, LoadKind, load_forms, load_tangent
 from solvers.rigid import BondedBodies, RigidBodies
 from solvers.state import State, Timer
 
@@ -202,6 +202,9 @@ class Problem:
         self.shear_modulus_mpa = float(law.initial_shear_modulus_mpa)
         unit = compat.assemble_array(unit_form, self.index_map).array[: self.owned]
         self.volume_scale = float(np.sqrt(self.comm.allreduce(float(unit @ unit), op=MPI.SUM)))
+        # what volumes are measured by: the unloaded one, or the body's where the load encloses none
+        body = float(self.comm.allreduce(float(unit.sum()), op=MPI.SUM))
+        self.volume_unit_mm3 = body if kind in DEAD else abs(self.cavity_volume())
         self.expected_negatives = int(
             self.comm.allreduce(int((self.owned_pressure & ~self.constrained_owned).sum()), op=MPI.SUM)
         )

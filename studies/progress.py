@@ -19,6 +19,7 @@ class Progress:
     """
 
     def __init__(self, comm: MPI.Comm) -> None:
+        self._comm = comm
         self._console = Console(stderr=True)
         self._on = comm.rank == 0 and self._console.is_terminal
         self._status: Status | None = None
@@ -50,6 +51,11 @@ class Progress:
     def state(self, pressure_mpa: float) -> None:
         """A state converged."""
         self._share = max(self._share, min(pressure_mpa / self._highest_mpa, 1.0))
+
+    def warn(self, line: str) -> None:
+        """Something the user should know; said on rank 0 whether or not the output is a terminal."""
+        if self._comm.rank == 0:
+            self._console.print(line, highlight=False, soft_wrap=True)
 
     def end(self, line: str) -> None:
         """The run ended; ``line`` says how."""

@@ -5,12 +5,13 @@ from __future__ import annotations
 import csv
 import json
 import math
-import os
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
+
+from solvers.files import write_atomically
 
 PATH_FILE, SUMMARY_FILE, FIELDS_FOLDER = "path.csv", "summary.json", "fields"
 
@@ -50,8 +51,11 @@ class RunSummary:
     ----------
     scene, rung, level
         Which scene, which model, which mesh (``r4``: meridian refined four times; ``n16``: 16 cells round).
-    status, reason
-        ``reached`` (all asked pressures) or ``stopped``, and why.
+    status, reason, cause
+        ``reached`` (all asked pressures) or ``stopped``, and why: in words, and the kind (solvers.errors.Cause).
+    crossing
+        Where the number of unstable modes changed first: kind, pressure_kpa, within_kpa, volume_mm3, modes_before,
+        modes_after; empty if nowhere. The mode is in ``critical_mode.npz`` and ``critical_mode.vtu``.
     content_hash
         Hash of the inputs and of the code that computes; a finished run with this hash is not repeated.
     plan
@@ -93,6 +97,8 @@ class RunSummary:
     threads: int
     commit: str
     when: str
+    cause: str = ""
+    crossing: dict[str, Any] = field(default_factory=dict)
 
 
 PATH_COLUMNS = tuple(f.name for f in fields(PathRow))
@@ -102,26 +108,6 @@ def fineness(level: str) -> int:
     """Number in a level's name (``r4``: 4, ``n24``: 24); 0 if it has none."""
     found = re.search(r"\d+", level)
     return int(found[0]) if found else 0
-
-
-def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file so that it is either the old one or the whole new one.
-
-    Raises
-    ------
-    OSError
-        With the path in its message, also when the disk is full.
-    """
-    temporary = path.with_name(path.name + ".part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with temporary.open("wb") as stream:
-            stream.write(content)
-            stream.flush()
-            os.fsync(stream.fileno())
-        temporary.replace(path)
-    except OSError as error:
-        raise OSError(error.errno, error.strerror, str(path)) from error
 
 
 def write_text_atomically(path: Path, text: str) -> None:

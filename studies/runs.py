@@ -1,7 +1,8 @@
 """Runs of one scene: an axisymmetric path on one mesh, a full 3D body or a sector of it at the asked pressures.
 
-A run is kept in a folder of its own. Its states are written as they converge; a run that was interrupted goes
-on after its last state, and a finished one with the same content hash is not repeated.
+A run is kept in a folder of its own. After each converged step a checkpoint is written, all of it or nothing: a run
+that was killed goes on after it with the steps it would have taken, on any number of ranks, and a finished one with the
+same content hash is not repeated.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import json
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -22,12 +23,14 @@ from mpi4py import MPI
 from analytical.chains import closed_form
 from meshes.quality import mesh_quality
 from meshes.solid import SolidMesh
+from solvers.checkpoint import CheckpointError, read_checkpoint, write_checkpoint
 from solvers.errors import SolverError
 from solvers.linear import Factor
-from solvers.output import write_vtu
-from solvers.path import Path as EquilibriumPath
-from solvers.path import PathSettings, PathState, follow_guesses, follow_path
+from solvers.output import write_mode, write_vtu
+from solvers.path import follow_guesses, follow_path
 from solvers.problem import Problem
+from solvers.records import Crossing, GuessMemory, PathMemory, PathSettings, PathState
+from solvers.records import Path as EquilibriumPath
 from solvers.state import State
 from studies import provenance
 from studies.build import SECTORS, Tip, masses_g, revolve_state, scene_body, scene_meridian, scene_problem
@@ -72,6 +75,9 @@ def finished_run(folder: Path, content_hash: str) -> Run | None:
         return None
 
 
+CHECKPOINT_FILE, MODE_FILE = "checkpoint.npz", "critical_mode"
+
+
 @dataclass(frozen=True)
 class _Job:
     """What identifies a run while it goes on."""
@@ -95,6 +101,71 @@ def _begin(scene: Scene, rung: str, level: str, folder: Path, notes: Sequence[st
     job = _Job(scene, rung, level, folder, run_hash(scene, rung, level), tuple(notes), progress, time.perf_counter())
     progress.begin(job.label, scene.pressures_mpa[-1])
     return job
+
+
+class _Log:
+    """Rows, counters and files of a run on its way; what an interrupted run left is read first. Every rank calls.
+
+    The mesh is one of ``parts`` of the whole.
+    """
+
+    def __init__(self, job: _Job, comm: MPI.Comm, mesh: SolidMesh, parts: int = 1) -> None:
+        self.job, self.comm, self.mesh, self.parts = job, comm, mesh, parts
+        self.tip = Tip(job.scene, mesh)
+        self.rows: list[PathRow] = []
+        self.notes = list(job.notes)
+        self.factorisations, self.seconds = 0, 0.0
+        self._has_mode = False
+        found: tuple[PathMemory | GuessMemory, Any] | str | None = None
+        if comm.rank == 0:
+            try:
+                found = read_checkpoint(self._file, job.content_hash)
+            except CheckpointError as error:
+                found = str(error)
+        found = comm.bcast(found)
+        self.memory: PathMemory | GuessMemory | None = None
+        if isinstance(found, str):
+            self.notes.append(f"warning: {found}; this run started anew")
+            job.progress.warn(f"{job.label}: {found}; starting anew")
+        elif found is not None:
+            self.memory, kept = found
+            self.rows = [PathRow(**row) for row in kept["rows"]]
+            self.factorisations, self.seconds = kept["factorisations"], kept["seconds"]
+            job.progress.warn(f"{job.label}: going on after {self.rows[-1].pressure_kpa:.6g} kPa, from its checkpoint")
+        self._begin = time.perf_counter()
+
+    @property
+    def _file(self) -> Path:
+        return self.job.folder / CHECKPOINT_FILE
+
+    def state(self, item: PathState) -> PathRow:
+        """Take in a converged state."""
+        row = _path_row(self.tip, item, self.parts)
+        self.rows.append(dataclasses.replace(row, wall_s=self.seconds + row.wall_s))
+        self.job.progress.state(item.state.load_mpa)
+        return self.rows[-1]
+
+    def step(self, memory: PathMemory | GuessMemory, factor: Factor) -> None:
+        """Write the critical mode if it has just been found, and the checkpoint."""
+        if self.comm.rank != 0:
+            return
+        with factor.problem.timer("output"):
+            crossing = memory.crossing
+            if crossing is not None and crossing.state is not None and crossing.mode is not None and not self._has_mode:
+                write_mode(self.job.folder / MODE_FILE, self.mesh, crossing.state, crossing.mode)
+                self._has_mode = True
+            notes = {
+                "rows": [asdict(row) for row in self.rows],
+                "factorisations": self.factorisations + factor.count,
+                "seconds": self.seconds + time.perf_counter() - self._begin,
+            }
+            write_path(self.job.folder, self.rows)
+            write_checkpoint(self._file, self.job.content_hash, memory, notes)
+
+    def done(self) -> None:
+        """The run is written: its checkpoint is not needed any more."""
+        if self.comm.rank == 0:
+            self._file.unlink(missing_ok=True)
 
 
 def _stamp(comm: MPI.Comm) -> dict[str, Any]:
@@ -239,18 +310,25 @@ def _solve_axisymmetric(scene: Scene, refinement: int, folder: Path, progress: P
     problem = scene_problem(scene, mesh, MPI.COMM_SELF)
     problem.timer.seconds["mesh"] = meshed
     factor = Factor(problem)
-    tip = Tip(scene, mesh)
-    rows: list[PathRow] = []
+    log = _Log(job, problem.comm, mesh)
 
     def keep(item: PathState) -> None:
-        rows.append(_path_row(tip, item))
-        progress.state(item.state.load_mpa)
+        row = log.state(item)
         if item.asked:
             with problem.timer("output"):
-                save_state(folder, job.content_hash, item.state, rows[-1])
+                save_state(folder, job.content_hash, item.state, row)
 
-    path = follow_path(problem, factor, scene.pressures_mpa, PathSettings(), progress.iteration, keep)
-    return _finish(job, problem, factor, path, rows, mesh, mesh)
+    path = follow_path(
+        problem,
+        factor,
+        scene.pressures_mpa,
+        PathSettings(control=scene.load.control),
+        progress.iteration,
+        on_state=keep,
+        on_step=lambda memory: log.step(memory, factor),
+        resume=log.memory if isinstance(log.memory, PathMemory) else None,
+    )
+    return _finish(log, problem, factor, path, mesh)
 
 
 def run_body(
@@ -293,36 +371,38 @@ def run_body(
     meridian = comm.bcast(scene_meridian(scene, 1) if comm.rank == 0 else None)
     body = scene_body(meridian, rung, around)
     guesses: list[State] = []
-    found: list[tuple[State, PathRow]] = []
     for pressure in scene.pressures_mpa:
         saved = comm.bcast(load_state(meridian_run, meridian_hash, pressure) if comm.rank == 0 else None)
         if saved is None:
             break
         guesses.append(revolve_state(saved[0], meridian, body))
-        kept = comm.bcast(load_state(folder, job.content_hash, pressure) if comm.rank == 0 else None)
-        if kept is not None and len(found) == len(guesses) - 1:
-            found.append(kept)
     meshed = time.perf_counter() - job.begin
     problem = scene_problem(scene, body if comm.rank == 0 else None, comm)
     problem.timer.seconds["mesh"] = meshed
     factor = Factor(problem)
-    tip = Tip(scene, body)
-    rows = [row for _, row in found]
+    log = _Log(job, comm, body, SECTORS[rung])
 
     def keep(item: PathState) -> None:
-        rows.append(_path_row(tip, item, SECTORS[rung]))
-        progress.state(item.state.load_mpa)
+        row = log.state(item)
         if item.asked and comm.rank == 0:
             with problem.timer("output"):
-                save_state(folder, job.content_hash, item.state, rows[-1])
+                save_state(folder, job.content_hash, item.state, row)
                 if scene.ask.fields:
                     write_vtu(_field_file(folder, item.state.load_mpa), body, item.state)
 
-    start = (found[-1][0], guesses[len(found) - 1]) if found else None
-    path = follow_guesses(problem, factor, guesses[len(found) :], PathSettings(), progress.iteration, keep, start)
+    path = follow_guesses(
+        problem,
+        factor,
+        guesses,
+        PathSettings(),
+        progress.iteration,
+        on_state=keep,
+        on_step=lambda memory: log.step(memory, factor),
+        resume=log.memory if isinstance(log.memory, GuessMemory) else None,
+    )
     if path.reached and len(guesses) < len(scene.pressures_mpa):
         path = dataclasses.replace(path, reached=False, reason="the axisymmetric path stopped here")
-    return _finish(job, problem, factor, path, rows, body, meridian)
+    return _finish(log, problem, factor, path, meridian)
 
 
 def _add_missing_fields(scene: Scene, around: int, folder: Path, run: Run) -> None:
@@ -359,17 +439,25 @@ def _write_collection(folder: Path, pressures_kpa: Sequence[float]) -> None:
     write_text_atomically(folder / "fields.pvd", text)
 
 
-def _finish(
-    job: _Job,
-    problem: Problem,
-    factor: Factor,
-    path: EquilibriumPath,
-    rows: list[PathRow],
-    mesh: SolidMesh,
-    meridian: SolidMesh,
-) -> Run:
+def _facts(crossing: Crossing | None) -> dict[str, Any]:
+    """A crossing for the summary."""
+    if crossing is None:
+        return {}
+    return {
+        "kind": str(crossing.kind),
+        "pressure_kpa": 1e3 * crossing.pressure_mpa,
+        "within_kpa": 1e3 * crossing.within_mpa,
+        "volume_mm3": crossing.volume_mm3,
+        "modes_before": crossing.modes_before,
+        "modes_after": crossing.modes_after,
+    }
+
+
+def _finish(log: _Log, problem: Problem, factor: Factor, path: EquilibriumPath, meridian: SolidMesh) -> Run:
     """Write a run's path and summary on rank 0; the same Run on every rank."""
+    job, rows, mesh = log.job, log.rows, log.mesh
     scene = job.scene
+    made = log.factorisations + factor.count
     comm = problem.comm
     peak = provenance.peak_memory_mb(comm)
     factor.close()
@@ -377,7 +465,7 @@ def _finish(
     summary = None
     if comm.rank == 0:
         quality = mesh_quality(meridian)
-        notes = list(job.notes)
+        notes = log.notes
         if quality.boundary_only_cells:
             notes.append(f"warning: {quality.boundary_only_cells} meridian cells have all corners on the boundary")
         if not problem.conservative:
@@ -394,24 +482,27 @@ def _finish(
             dofs=problem.index_map.size_global + problem.extra,
             cells=len(mesh.cells),
             nodes=len(mesh.points),
-            factorisations=factor.count,
+            factorisations=made,
             newton_iterations=sum(row.newton_iterations for row in rows),
             rejected_steps=path.rejected,
             silicone_g=silicone,
             ring_g=rings,
-            time_s={**seconds, "total": time.perf_counter() - job.begin},
+            time_s={**seconds, "total": log.seconds + time.perf_counter() - job.begin},
             peak_mb=peak,
+            cause=str(path.cause),
+            crossing=_facts(path.crossing),
             **_stamp(comm),
         )
         write_path(job.folder, rows)
         if scene.ask.fields and job.rung in SECTORS:
             _write_collection(job.folder, scene.load.pressure_kpa)
         write_summary(job.folder, summary)
+        log.done()
     summary = comm.bcast(summary)
     assert summary is not None
     last = rows[-1].pressure_kpa if rows else 0.0
     how = "reached" if path.reached else f"stopped at {last:.2f} kPa: {path.reason}"
     job.progress.end(
-        f"{job.label}: {how}; {summary.dofs} unknowns, {factor.count} factorisations, {summary.time_s['total']:.1f} s"
+        f"{job.label}: {how}; {summary.dofs} unknowns, {made} factorisations, {summary.time_s['total']:.1f} s"
     )
     return Run(summary, tuple(rows))

@@ -114,10 +114,10 @@ class NeoHookeMaterial(_Section):
 
 
 class Load(_Section):
-    """Cavity pressures at which results are asked, kPa, ascending."""
+    """Cavity pressures at which results are asked, kPa, ascending, and what the steps between are taken in."""
 
     pressure_kpa: Annotated[list[Annotated[float, Field(gt=0.0, allow_inf_nan=False)]], Field(min_length=1)]
-    control: Literal["auto"] = "auto"
+    control: Literal["auto", "pressure", "volume"] = "auto"
 
     @model_validator(mode="after")
     def _ascending(self) -> Load:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from studies import runs
 from studies.__main__ import main
 from studies.results import PATH_COLUMNS, read_path, read_summary
 from studies.rows import COLUMNS, read_rows
@@ -77,25 +79,63 @@ def test_finished_work_is_not_repeated(small_scene, solved):
     assert before == {p: p.stat().st_mtime_ns for p in solved.glob("*-*/summary.json")}
 
 
-def test_interrupted_run_goes_on_to_the_same_answer(small_scene, solved, tmp_path):
-    import shutil
-
+@pytest.fixture()
+def interrupted(solved, tmp_path, monkeypatch, small_scene):
+    """The 3D run of the small scene, killed while its second state was being written; folder, and how to go on."""
     copy = tmp_path / "interrupted"
     shutil.copytree(solved, copy)
+    shutil.rmtree(copy / "full3d-n8")
+    command = ["solve", str(small_scene), "--out", str(copy), "--rung", "full3d"]
+    save = runs.save_state
+
+    def die_at_ten(folder, content_hash, state, row):
+        if row.pressure_kpa > 9.0:
+            raise SystemExit("killed")
+        save(folder, content_hash, state, row)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(runs, "save_state", die_at_ten)
+        assert CliRunner().invoke(main, command).exit_code == 1
     run = copy / "full3d-n8"
-    expected = read_path(run)[-1]
-    # as after a kill between the two states: no summary, no path, a truncated second state
-    (run / "summary.json").unlink()
-    (run / "path.csv").unlink()
-    second = run / "states" / "p0010.0000.npz"
-    second.write_bytes(second.read_bytes()[:1000])
-    result = CliRunner().invoke(main, ["solve", str(small_scene), "--out", str(copy), "--rung", "full3d"])
+    assert not (run / "summary.json").exists()
+    return run, command
+
+
+def same_rows(found, expected, tolerance):
+    assert len(found) == len(expected)
+    for a, b in zip(found, expected, strict=True):
+        for name in PATH_COLUMNS:
+            if name != "wall_s":
+                x, y = getattr(a, name), getattr(b, name)
+                assert x == y or x == pytest.approx(y, rel=tolerance, nan_ok=True), (name, x, y)
+
+
+def test_interrupted_run_goes_on_with_the_same_steps(interrupted, solved):
+    run, command = interrupted
+    result = CliRunner().invoke(main, command)
     assert result.exit_code == 0, result.output
-    found = read_path(run)
-    assert len(found) == 2
-    # Newton's tolerance is 1e-8 of the load; the path to the state is another
-    assert found[-1].tip_mm == pytest.approx(expected.tip_mm, rel=1e-8)
-    assert read_summary(run).factorisations < 2 * len(found)
+    # bit for bit the same steps; path.csv has twelve digits
+    same_rows(read_path(run), read_path(solved / "full3d-n8"), 1e-11)
+    again, whole = read_summary(run), read_summary(solved / "full3d-n8")
+    assert again.factorisations == whole.factorisations
+    assert again.plan == whole.plan
+    assert not (run / "checkpoint.npz").exists()
+
+
+@pytest.mark.parametrize("damage", ["truncated", "byte flipped"])
+def test_damaged_checkpoint_is_recognised_and_not_used(interrupted, solved, damage):
+    run, command = interrupted
+    file = run / "checkpoint.npz"
+    content = bytearray(file.read_bytes())
+    if damage == "truncated":
+        content = content[: len(content) // 2]
+    else:
+        content[len(content) // 2] ^= 1
+    file.write_bytes(content)
+    result = CliRunner().invoke(main, command)
+    assert result.exit_code == 0, result.output
+    assert any("checkpoint.npz: damaged, not used" in note for note in read_summary(run).plan)
+    same_rows(read_path(run), read_path(solved / "full3d-n8"), 1e-11)
 
 
 def test_default_plan_stops_refining_when_the_tolerance_is_met(small_scene, tmp_path):
@@ -188,8 +228,6 @@ def test_batch_shares_scenes_over_ranks(small_scene, tmp_path):
 
 
 def test_fields_asked_for_later_are_written_from_the_kept_states(small_scene, solved, tmp_path):
-    import shutil
-
     copy = tmp_path / "copy"
     shutil.copytree(solved, copy)
     shutil.rmtree(copy / "full3d-n8" / "fields")
