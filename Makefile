@@ -6,6 +6,7 @@ SHELL := /bin/bash
 PYTHON := .venv/bin/python
 MPIRUN ?= /usr/bin/mpirun
 SCENES ?= $(wildcard scenes/*.toml)
+EXAMPLES ?= study closed-form dimensions
 
 # --- ranks and threads ----------------------------------------------------------------------
 # One rank: BLAS may use all cores. Several ranks: one thread each, or they fight for the cores.
@@ -46,7 +47,7 @@ STAMP := .venv/setup-$(shell { pwd; cat $(LISTS); } | sha256sum | cut -c1-16)
 .PHONY: help
 help: ## list the targets
 	@echo "make TARGET [NP=2 for two MPI ranks] [SCENES=\"a.toml b.toml\"]"
-	@sed -nE 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
+	@sed -nE 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/p' $(MAKEFILE_LIST) | expand -t 26
 
 .PHONY: setup
 setup: ## install what is missing: Debian packages (as root, else prints the command), .venv
@@ -100,12 +101,28 @@ batch: check ## run SCENES (default scenes/*.toml) -> results/batch
 report: check ## render the report of results/study again from its rows
 	$(PYTHON) -m studies report results/study
 
+.PHONY: study-closed-form
+study-closed-form: check ## chains, mends, validity, laws and exact solutions -> results/closed-form
+	$(PYTHON) -m studies closed-form --out results/closed-form
+
+.PHONY: benchmark-closed-form
+benchmark-closed-form: check ## evaluations of the closed form per second, one core -> results/benchmark-closed-form
+	OPENBLAS_NUM_THREADS=1 $(PYTHON) -m studies benchmark-closed-form --out results/benchmark-closed-form
+
+.PHONY: study-dimensions
+study-dimensions: check ## what fits the unprinted dimensions, which three sets are used -> results/dimensions
+	$(PYTHON) -m studies dimensions --out results/dimensions
+
 .PHONY: example
-example: ## keep the report of results/study as docs/study; the field files stay out of git
-	rm -rf docs/study
-	mkdir -p docs/study
-	cp -r results/study/report.md results/study/rows.csv results/study/pictures results/study/paths docs/study/
-	sed -i '/\.vtu)$$/d' docs/study/report.md
+example: ## keep the reports of EXAMPLES (default: all) from results in docs; field files stay out of git
+	for study in $(EXAMPLES); do \
+		[ -e results/$$study/report.md ] || continue; \
+		rm -rf docs/$$study; mkdir -p docs/$$study; \
+		for part in report.md rows.csv members.csv pictures paths; do \
+			[ ! -e results/$$study/$$part ] || cp -r results/$$study/$$part docs/$$study/; \
+		done; \
+		sed -i '/\.vtu)$$/d' docs/$$study/report.md; \
+	done
 
 # --- tidying --------------------------------------------------------------------------------
 .PHONY: clean

@@ -8,7 +8,9 @@ chains    : the closed-form model of Heung et al. 2024 as printed, misprints men
             (its equations are in chain_equations)
 mends     : every departure from the print, and what it is worth
 bellows_loads : pressure for an elongation, force at a held tip
+validity  : the chain with one assumption replaced: root, side wall, tip
 paper     : what that paper prints, and the dimensions inferred from it
+fit       : all dimensions that meet the printed closed form, and the rule that picks three sets of them
 
 Exact solutions, for any isotropic incompressible law:
 

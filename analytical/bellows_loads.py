@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from analytical.bellows import BellowsDimensions, BellowsError
-from analytical.chain_equations import Reading
+from analytical.bellows import BellowsDesigns, BellowsDimensions, BellowsError
+from analytical.chain_equations import Reading, Sizes
 from analytical.chains import MENDED, closed_form
 from analytical.materials import FloatArray, Law
 
@@ -25,7 +25,7 @@ LARGEST_PRESSURE_KPA = 1e5
 
 @dataclass(frozen=True)
 class HeldTip:
-    """Forces on a tip held at an elongation; arrays of the shape of the pressures.
+    """Forces on a tip held at an elongation; arrays of the shape of the designs, then of the pressures.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ def pressure_at_elongation_kpa(
 
 
 def held_tip(
-    dimensions: BellowsDimensions,
+    dimensions: BellowsDimensions | BellowsDesigns,
     law: Law,
     pressure_kpa: ArrayLike,
     elongation_mm: float = 0.0,
@@ -121,15 +121,13 @@ def held_tip(
     BellowsError
         As `chains.closed_form`, or if the actuator would have to be shorter than nothing.
     """
-    d = dimensions
-    half_pitch = d.half_pitch_mm + elongation_mm / (2.0 * d.convolutions)
-    if not half_pitch > 0.0:
-        raise BellowsError(
-            f"elongation_mm = {elongation_mm} leaves no length: it must exceed "
-            f"{-2.0 * d.convolutions * d.half_pitch_mm:g}"
-        )
-    free = closed_form(d, law, pressure_kpa, reading)
-    held = replace(free, wall_stretch=np.hypot(half_pitch, free.drop_mm) / d.side_length_mm)
+    size = Sizes.of(dimensions)
+    half_pitch = size.half_pitch + elongation_mm / (2.0 * size.convolutions)
+    if not np.all(half_pitch > 0.0):
+        shortest_mm = float(np.min(2.0 * size.convolutions * size.half_pitch))
+        raise BellowsError(f"elongation_mm = {elongation_mm} leaves no length: it must exceed {-shortest_mm:g}")
+    free = closed_form(dimensions, law, pressure_kpa, reading)
+    held = replace(free, wall_stretch=np.hypot(half_pitch, free.drop_mm) / size.side)
     return HeldTip(
         pressure_kpa=held.pressure_kpa,
         elongation_mm=elongation_mm,

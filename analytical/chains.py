@@ -248,7 +248,7 @@ def validity_warnings(path: ClosedFormPath, stretch_at_break: float) -> tuple[tu
         if states[k] == "fully unfolded":
             found.append(
                 f"fully unfolded from {path.unfolding_pressure_kpa[0]:.1f} kPa: the number rests on the root being "
-                "held there, results beyond which the paper disregards"
+                "held there; the paper disregards results beyond it"
             )
         if states[k] == "past the model":
             found.append(

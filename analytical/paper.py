@@ -2,12 +2,14 @@
 
 Source: Biomimetics 2024, 9, 160, DOI 10.3390/biomimetics9030160, section 4. Elongations are in cm at 20 kPa,
 as printed. The paper does not print R_p, e, l, n, the second R_i, the silicone of each actuator, nor which
-2 mm number belongs to which R_i: everything in `InferredFamily` is inferred, none of it is measured.
+2 mm number belongs to which R_i: everything in `InferredFamily` is inferred, none of it is measured. How the
+families here were found, and how many others fit: `analytical.fit` and ``make study-dimensions``.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -108,6 +110,8 @@ class InferredFamily:
         n.
     silicones
         Silicone of each actuator, in the order of `PRINTED`. Dragon Skin 30 is meant as in eq. (3).
+    label
+        Goes into the names of the actuators; empty for the reference.
     """
 
     larger_root_radius_mm: float
@@ -115,10 +119,12 @@ class InferredFamily:
     half_pitch_mm: float
     convolutions: int
     silicones: tuple[Silicone, Silicone, Silicone, Silicone]
+    label: str = ""
 
 
-# One silicone per wall thickness and, of the families that meet the column within 5 %, the smallest wall
-# stretch at 20 kPa.
+# What the rule of `analytical.fit` picks from the families that meet the column within 5 %, as verified by
+# ``make study-dimensions``. The scenes of scenes/heung-*.toml are written from here.
+# One silicone per wall thickness and the smallest wall stretch at 20 kPa:
 REFERENCE_FAMILY: Final = InferredFamily(
     larger_root_radius_mm=7.0,
     crest_radius_mm=10.5,
@@ -126,6 +132,33 @@ REFERENCE_FAMILY: Final = InferredFamily(
     convolutions=8,
     silicones=("dragon-skin-10", "dragon-skin-10", "dragon-skin-30", "dragon-skin-30"),
 )
+ALTERNATE_FAMILIES: Final[tuple[InferredFamily, InferredFamily]] = (
+    # The same silicones and another number of convolutions, smallest worst error:
+    InferredFamily(
+        larger_root_radius_mm=8.0,
+        crest_radius_mm=14.0,
+        half_pitch_mm=5.5,
+        convolutions=4,
+        silicones=("dragon-skin-10", "dragon-skin-10", "dragon-skin-30", "dragon-skin-30"),
+        label="a",
+    ),
+    # Other silicones, smallest worst error:
+    InferredFamily(
+        larger_root_radius_mm=7.5,
+        crest_radius_mm=10.5,
+        half_pitch_mm=6.5,
+        convolutions=8,
+        silicones=("dragon-skin-10", "dragon-skin-10", "dragon-skin-30", "dragon-skin-10"),
+        label="b",
+    ),
+)
+FAMILIES: Final = (REFERENCE_FAMILY, *ALTERNATE_FAMILIES)
+
+# Dragon Skin 30 as in eq. (3). In the other convention no set fits whose reading order agrees with the text.
+LAWS: Final[Mapping[Silicone, Law]] = {
+    "dragon-skin-10": DRAGON_SKIN_10,
+    "dragon-skin-30": dragon_skin_30("2mu/alpha^2"),
+}
 
 
 @dataclass(frozen=True)
@@ -150,11 +183,11 @@ def printed(
     crest_radius_mm: float,
     half_pitch_mm: float,
     convolutions: int,
-    family: InferredFamily = REFERENCE_FAMILY,
+    families: Iterable[InferredFamily] = FAMILIES,
 ) -> PrintedElongation | None:
-    """Printed elongations of the actuator with these dimensions (mm), None if it is not of the four."""
+    """Printed elongations of the actuator with these dimensions (mm), None if it is of none of the families."""
     asked = (wall_mm, root_radius_mm, crest_radius_mm, half_pitch_mm, convolutions)
-    for actuator in actuators(family):
+    for actuator in (actuator for family in families for actuator in actuators(family)):
         d = actuator.dimensions
         known = (d.wall_mm, d.root_radius_mm, d.crest_radius_mm, d.half_pitch_mm, d.convolutions)
         # 1e-9: the same number after a round trip through text or another unit.
@@ -166,7 +199,7 @@ def printed(
 def _actuator(family: InferredFamily, row: PrintedElongation, silicone: Silicone) -> PaperActuator:
     root_radius_mm = family.larger_root_radius_mm if row.has_larger_root else PRINTED_ROOT_RADIUS_MM
     return PaperActuator(
-        name=f"heung-t{row.wall_mm:g}-ri{root_radius_mm:g}",
+        name="-".join(filter(None, ("heung", family.label, f"t{row.wall_mm:g}", f"ri{root_radius_mm:g}"))),
         dimensions=BellowsDimensions(
             root_radius_mm=root_radius_mm,
             crest_radius_mm=family.crest_radius_mm,
@@ -175,6 +208,6 @@ def _actuator(family: InferredFamily, row: PrintedElongation, silicone: Silicone
             convolutions=family.convolutions,
         ),
         silicone=silicone,
-        law=DRAGON_SKIN_10 if silicone == "dragon-skin-10" else dragon_skin_30("2mu/alpha^2"),
+        law=LAWS[silicone],
         printed=row,
     )

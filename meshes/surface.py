@@ -39,13 +39,13 @@ def surface_weights(mesh: SolidMesh, name: str) -> FloatArray:
     MeshError
         If the mesh has no such surface.
     """
-    wanted = {tuple(f) for f in mesh.facets[mesh.facet_tags == FACETS[name]].tolist()}
+    wanted = {tuple(f) for f in mesh.facets[mesh.facet_tags == FACETS[name]]}
     if not wanted:
         raise MeshError(f"the mesh has no surface named {name}")
     weights = np.zeros(len(mesh.points))
     for corners in _FACET_CORNERS[mesh.cell.name]:
         facets = np.sort(mesh.cells[:, list(corners)], axis=1)
-        cells = mesh.cells[[tuple(f) in wanted for f in facets.tolist()]]
+        cells = mesh.cells[[tuple(f) in wanted for f in facets]]
         if len(cells):
             np.add.at(weights, cells, _facet_integrals(mesh.points, cells, mesh.cell, corners))
     return weights

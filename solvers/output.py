@@ -10,7 +10,7 @@ import basix
 import numpy as np
 
 from solvers.compat import CELL_NAMES
-from solvers.domain import FloatArray, IntArray, MeshArrays
+from solvers.domain import FloatArray, MeshArrays
 from solvers.files import write_atomically
 from solvers.state import State, pressure_at_corners
 

@@ -18,11 +18,12 @@ from mpi4py import MPI
 from analytical.bellows import BellowsError
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
-from studies import provenance, session
+from studies import benchmark, closed_form_study, dimension_scenes, dimensions, provenance, session
 from studies.plan import RUNGS, Plan, Rung, around_levels, describe, make_plan
 from studies.progress import Progress
 from studies.results import write_text_atomically
 from studies.scene import Scene, SceneError, load_scene
+from studies.tables import as_text
 
 BAD_INPUT, STOPPED = 2, 3
 MAIN_SCENES = ("heung-t2-ri5", "heung-t1-ri5")
@@ -180,6 +181,46 @@ def study(out: Path, smoke: bool) -> None:
         _report(out)
     MPI.COMM_WORLD.barrier()
     sys.exit(code)
+
+
+@main.command("closed-form")
+@OUT_OPTION
+def closed_form(out: Path) -> None:
+    """Write the report of the closed form: chains, mends, validity, material laws, exact solutions."""
+    _writable(out)
+    if MPI.COMM_WORLD.rank == 0:
+        click.echo(f"report: {closed_form_study.write_study(out)}")
+
+
+@main.command("dimensions")
+@OUT_OPTION
+@click.option("--write-scenes", is_flag=True, help="Also write the scenes of the three sets into scenes/.")
+def dimensions_command(out: Path, write_scenes: bool) -> None:
+    """Find the dimensions that meet the paper's closed-form numbers and pick three sets of them.
+
+    The exit code is 3 if the picks are not those that analytical/paper.py records; scenes/ is then left alone.
+    """
+    _writable(out)
+    if MPI.COMM_WORLD.rank != 0:
+        return
+    picks = dimensions.write_study(out).picks
+    click.echo(f"report: {out / 'report.html'}")
+    if not picks.as_recorded:
+        click.echo(f"analytical/paper.py: FAMILIES is not what the rule picks, {picks.families}: edit it", err=True)
+        sys.exit(STOPPED)
+    if write_scenes:
+        for path in dimension_scenes.write_scenes(provenance.ROOT / "scenes", picks.families):
+            click.echo(f"scene: {path}")
+
+
+@main.command("benchmark-closed-form")
+@OUT_OPTION
+def benchmark_closed_form(out: Path) -> None:
+    """Measure the closed form's evaluations per second on one core, and their error."""
+    _writable(out)
+    if MPI.COMM_WORLD.rank == 0:
+        found = benchmark.run(out)
+        click.echo(f"{benchmark.setting()}\n{as_text(found)}\nrows: {out / 'rows.csv'}")
 
 
 @main.command()

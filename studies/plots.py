@@ -16,7 +16,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 DPI = 150
 
 # Okabe and Ito: told apart by colour-blind readers; shape and dash say the same once more.
-_BLACK, _ORANGE, _SKY, _GREEN, _BLUE, _VERMILION, _PURPLE = (
+BLACK, ORANGE, SKY, GREEN, BLUE, VERMILION, PURPLE = (
     "#000000",
     "#E69F00",
     "#56B4E9",
@@ -26,14 +26,16 @@ _BLACK, _ORANGE, _SKY, _GREEN, _BLUE, _VERMILION, _PURPLE = (
     "#CC79A7",
 )
 _STYLES: dict[str, dict[str, Any]] = {
-    "closed_form": {"color": _ORANGE, "linestyle": "--", "marker": "^"},
-    "closed_form_seat": {"color": _GREEN, "linestyle": ":", "marker": "v"},
-    "axisymmetric": {"color": _BLUE, "linestyle": "-", "marker": "o"},
-    "sector": {"color": _SKY, "linestyle": "-.", "marker": "h"},
-    "full3d": {"color": _VERMILION, "linestyle": "none", "marker": "s"},
-    "paper_closed_form": {"color": _ORANGE, "linestyle": "none", "marker": "P"},
-    "paper_ansys": {"color": _PURPLE, "linestyle": "none", "marker": "D"},
-    "paper_experiment": {"color": _BLACK, "linestyle": "none", "marker": "*"},
+    "closed_form": {"color": ORANGE, "linestyle": "--", "marker": "^"},
+    "closed_form_printed": {"color": SKY, "linestyle": "-.", "marker": "<"},
+    "closed_form_balanced": {"color": GREEN, "linestyle": "-", "marker": "o"},
+    "closed_form_seat": {"color": GREEN, "linestyle": ":", "marker": "v"},
+    "axisymmetric": {"color": BLUE, "linestyle": "-", "marker": "o"},
+    "sector": {"color": SKY, "linestyle": "-.", "marker": "h"},
+    "full3d": {"color": VERMILION, "linestyle": "none", "marker": "s"},
+    "paper_closed_form": {"color": ORANGE, "linestyle": "none", "marker": "P"},
+    "paper_ansys": {"color": PURPLE, "linestyle": "none", "marker": "D"},
+    "paper_experiment": {"color": BLACK, "linestyle": "none", "marker": "*"},
 }
 _OTHERS = (
     {"color": "#777777", "linestyle": "--", "marker": "<"},
@@ -53,7 +55,7 @@ _ACTIVITIES = (
     "#AA4499",
 )
 _OTHER_COLOUR = "#D0D0D0"
-_BESIDE: dict[str, Any] = {
+BESIDE: dict[str, Any] = {
     "loc": "upper left",
     "bbox_to_anchor": (1.01, 1.0),
     "borderaxespad": 0.0,
@@ -101,7 +103,7 @@ def draw_elongation(path: Path, curves: Sequence[Curve], asked_kpa: Sequence[flo
     asked_kpa
         Asked pressures, kPa, at least one; the axis reaches all of them also if no curve does.
     """
-    with _figure(path, 8.2, 4.9) as figure:
+    with figure_file(path, 8.2, 4.9) as figure:
         axes = figure.add_subplot()
         others = cycle(_OTHERS)
         entries: list[Any] = []
@@ -138,7 +140,7 @@ def draw_elongation(path: Path, curves: Sequence[Curve], asked_kpa: Sequence[flo
             axes.set_xticks([0.0, *asked_kpa])
         axes.grid(color="#e4e4e4", zorder=0)
         axes.set_axisbelow(True)
-        axes.legend(handles=entries, **_BESIDE)
+        axes.legend(handles=entries, **BESIDE)
 
 
 def draw_overview(path: Path, scenes: Sequence[str], values_mm: Mapping[tuple[str, str], Sequence[float]]) -> None:
@@ -153,7 +155,7 @@ def draw_overview(path: Path, scenes: Sequence[str], values_mm: Mapping[tuple[st
     values_mm
         By rung and its label, one value per scene, mm; NaN is not drawn.
     """
-    with _figure(path, 8.2, 1.2 + 0.55 * len(scenes)) as figure:
+    with figure_file(path, 8.2, 1.2 + 0.55 * len(scenes)) as figure:
         axes = figure.add_subplot()
         others = cycle(_OTHERS)
         for place, ((rung, label), values) in enumerate(values_mm.items()):
@@ -177,7 +179,7 @@ def draw_overview(path: Path, scenes: Sequence[str], values_mm: Mapping[tuple[st
         axes.tick_params(axis="y", length=0)
         axes.grid(axis="x", color="#e4e4e4")
         axes.set_axisbelow(True)
-        axes.legend(**_BESIDE)
+        axes.legend(**BESIDE)
 
 
 def draw_times(path: Path, runs: Sequence[str], seconds: Mapping[str, Sequence[float]]) -> None:
@@ -194,7 +196,7 @@ def draw_times(path: Path, runs: Sequence[str], seconds: Mapping[str, Sequence[f
     """
     totals = [sum(column) for column in zip(*seconds.values(), strict=True)]
     colours = cycle(_ACTIVITIES)
-    with _figure(path, 8.2, 1.75 + 0.33 * len(runs)) as figure:
+    with figure_file(path, 8.2, 1.75 + 0.33 * len(runs)) as figure:
         left, right = figure.subplots(1, 2, sharey=True)
         starts = [0.0] * len(runs)
         for activity, values in seconds.items():
@@ -227,7 +229,7 @@ def _edge(rung: str) -> str:
 
 
 @contextmanager
-def _figure(path: Path, width_in: float, height_in: float) -> Iterator[Figure]:
+def figure_file(path: Path, width_in: float, height_in: float) -> Iterator[Figure]:
     """A figure that is written to ``path`` on leaving; no state shared with the caller's matplotlib."""
     figure = Figure(figsize=(width_in, height_in), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)

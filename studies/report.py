@@ -2,28 +2,21 @@
 
 from __future__ import annotations
 
-import base64
 import math
 import os
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-import markdown
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
 from studies import tables
+from studies.pages import duration, write_page
 from studies.pictures import RingBox, Still, draw_states
 from studies.plots import Curve, draw_elongation, draw_overview, draw_times
-from studies.results import PATH_FILE, PathRow, RunSummary, fineness, write_path, write_text_atomically
+from studies.results import PATH_FILE, PathRow, RunSummary, fineness, write_path
 from studies.rows import Row, write_rows
 from studies.tables import REACHED, REFERENCES, TIP, anchor_of, headline, model_label, rung_label
-
-_TEMPLATES = Path(__file__).parent / "templates"
-_PICTURE = re.compile(r'src="(pictures/[^"]+)"')
 
 
 @dataclass(frozen=True)
@@ -94,30 +87,18 @@ def write_report(
     """
     folder.mkdir(parents=True, exist_ok=True)
     write_rows(folder / "rows.csv", (row for scene in scenes for row in scene.rows))
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters["cell"] = _cell
-    text = environment.get_template("report.md.j2").render(
-        title=title,
-        introduction=introduction,
-        summary=tables.summary(scenes, [verdict(scene) for scene in scenes]),
-        overview=_draw_overview(folder, scenes),
-        compared_with_paper=any(tables.is_printed(row) for scene in scenes for row in scene.rows),
-        levels={rung: _levels(scenes, rung) for rung in REFERENCES},
-        scenes=[_scene(folder, scene) for scene in scenes],
-        provenance=tables.provenance(scenes, provenance),
-        wall=_duration(wall_s),
-    )
-    write_text_atomically(folder / "report.md", text)
-    body = markdown.markdown(text, extensions=["tables", "fenced_code", "md_in_html", "sane_lists"])
-    page = environment.get_template("report.html.j2").render(
-        title=title,
-        style=(_TEMPLATES / "report.css").read_text(encoding="utf-8"),
-        body=_PICTURE.sub(lambda found: f'src="{_data_uri(folder / found[1])}"', body),
-    )
-    write_text_atomically(folder / "report.html", page)
-    return folder / "report.html"
+    content = {
+        "title": title,
+        "introduction": introduction,
+        "summary": tables.summary(scenes, [verdict(scene) for scene in scenes]),
+        "overview": _draw_overview(folder, scenes),
+        "compared_with_paper": any(tables.is_printed(row) for scene in scenes for row in scene.rows),
+        "levels": {rung: _levels(scenes, rung) for rung in REFERENCES},
+        "scenes": [_scene(folder, scene) for scene in scenes],
+        "provenance": tables.provenance(scenes, provenance),
+        "wall": duration(wall_s),
+    }
+    return write_page(folder, "report.md.j2", content)
 
 
 def verdict(scene: SceneReport) -> str:
@@ -299,19 +280,3 @@ def _levels(scenes: Sequence[SceneReport], rung: str) -> list[str]:
     return sorted(
         {row.level for s in scenes for row in s.rows if (row.quantity, row.rung) == (TIP, rung)}, key=fineness
     )
-
-
-def _duration(seconds: float) -> str:
-    if seconds < 120.0:
-        return f"{seconds:.1f} s"
-    return f"{seconds / 60.0:.1f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"
-
-
-def _cell(text: str) -> str:
-    """Text made safe for a Markdown table and for HTML."""
-    text = re.sub(r"[ \t\r\n]+", " ", text).strip()
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace("|", "\\|")
-
-
-def _data_uri(picture: Path) -> str:
-    return "data:image/png;base64," + base64.b64encode(picture.read_bytes()).decode("ascii")

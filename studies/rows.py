@@ -23,8 +23,8 @@ class Row:
     pressure_kpa
         Cavity pressure.
     rung
-        ``closed_form``, ``closed_form_seat``, ``axisymmetric``, ``sector``, ``full3d``, or ``paper_…`` for printed
-        values.
+        ``closed_form``, ``closed_form_printed``, ``closed_form_balanced``, ``closed_form_seat``, ``axisymmetric``,
+        ``sector``, ``full3d``, ``paper_…`` for printed values, ``material`` for laws, ``exact`` for exact solutions.
     level
         Mesh or variant within the rung, for instance ``r4`` or ``n24``; empty if there is one only.
     value
@@ -37,7 +37,7 @@ class Row:
     error_percent
         100 (value - reference) / |reference|; NaN without a reference.
     status
-        ``reached``, or ``stopped at … kPa: why``.
+        ``reached`` (and, of a closed form, in which state if not folded), or ``stopped at … kPa: why``.
     """
 
     scene: str

@@ -23,7 +23,9 @@ MISSING = "–"
 
 # What the report calls a rung, in the order of its columns; rungs not named here follow.
 RUNGS: Mapping[str, str] = {
+    "closed_form_printed": "closed form as printed",
     "closed_form": "closed form",
+    "closed_form_balanced": "closed form, balanced",
     "closed_form_seat": "closed form, free pitch",
     "axisymmetric": "axisymmetric",
     "sector": "sector",
@@ -50,6 +52,19 @@ class Table:
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     left: tuple[int, ...] = (0,)
+
+
+def as_text(table: Table) -> str:
+    """A table for a terminal, its columns lined up."""
+    lines = [table.header, *table.rows]
+    widths = [max(len(line[column]) for line in lines) for column in range(len(table.header))]
+    return "\n".join(
+        "  ".join(
+            text.ljust(width) if column in table.left else text.rjust(width)
+            for column, (text, width) in enumerate(zip(line, widths, strict=True))
+        ).rstrip()
+        for line in lines
+    )
 
 
 def summary(scenes: Sequence[SceneReport], verdicts: Sequence[str]) -> Table:
@@ -92,7 +107,7 @@ def differences(scene: SceneReport) -> Table:
         for rung in rungs:
             row = headline(scene, rung, pressure)
             known = row is not None and math.isfinite(row.value) and rung != reference.rung
-            cells.append(_signed(difference_percent(row.value, reference.value)) if row and known else MISSING)
+            cells.append(signed(difference_percent(row.value, reference.value)) if row and known else MISSING)
         lines.append((f"{pressure:g}", rung_label(reference.rung), *cells))
     header = ("pressure, kPa", "compared with", *map(rung_label, rungs))
     return Table(header, tuple(lines), left=(1,))
@@ -106,7 +121,7 @@ def comparisons(scene: SceneReport) -> Table:
             row, usual = headline(scene, rung, pressure), _reference(scene, pressure)
             shown = row and usual and math.isclose(row.reference, usual.value, rel_tol=1e-6)
             if row and math.isfinite(row.reference) and not shown:
-                error = _signed(row.error_percent) if math.isfinite(row.error_percent) else MISSING
+                error = signed(row.error_percent) if math.isfinite(row.error_percent) else MISSING
                 model = model_label(rung, row.level)
                 lines.append(
                     (model, f"{pressure:g}", _value(row), f"{row.reference:.5g}", error, row.source or MISSING)
@@ -353,7 +368,7 @@ def _generic(row: Row) -> str:
     if math.isfinite(row.uncertainty):
         text += f" ± {rounded_up(row.uncertainty, 2):.2g}"
     if math.isfinite(row.error_percent):
-        text += f" ({_signed(row.error_percent)} % from {row.reference:g})"
+        text += f" ({signed(row.error_percent)} % from {row.reference:g})"
     return text
 
 
@@ -362,7 +377,8 @@ def difference_percent(value: float, reference: float) -> float:
     return 100.0 * (value - reference) / abs(reference)
 
 
-def _signed(percent: float) -> str:
+def signed(percent: float) -> str:
+    """A percentage with its sign and as many decimals as it deserves."""
     text = f"{percent:+.2f}" if abs(percent) < 1.0 else f"{percent:+.1f}"
     return text.replace("-", "\N{MINUS SIGN}")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from analytical.materials import DRAGON_SKIN_10, dragon_skin_30
-from analytical.paper import PRINTED, REFERENCE_FAMILY, actuators, printed
+from analytical.paper import ALTERNATE_FAMILIES, FAMILIES, PRINTED, REFERENCE_FAMILY, actuators, printed
 
 
 def test_differences_named_in_the_text() -> None:
@@ -45,4 +45,22 @@ def test_look_up() -> None:
 def test_another_actuator_has_no_printed_numbers() -> None:
     assert printed(1.0, 5.0, 10.5, 5.0, 3) is None
     assert printed(1.5, 5.0, 10.5, 5.0, 8) is None
-    assert printed(1.0, 6.0, 10.5, 5.0, 8, family=REFERENCE_FAMILY) is None
+    assert printed(1.0, 6.0, 10.5, 5.0, 8) is None
+    # of an alternate, asked for among the reference only
+    assert printed(1.0, 8.0, 14.0, 5.5, 4, families=(REFERENCE_FAMILY,)) is None
+
+
+def test_alternates_differ_from_the_reference_in_silicone_or_in_n() -> None:
+    for family in ALTERNATE_FAMILIES:
+        assert (family.silicones, family.convolutions) != (REFERENCE_FAMILY.silicones, REFERENCE_FAMILY.convolutions)
+
+
+def test_names_and_printed_numbers_of_the_alternates() -> None:
+    named = [[actuator.name for actuator in actuators(family)] for family in FAMILIES]
+    assert named[1] == ["heung-a-t1-ri5", "heung-a-t1-ri8", "heung-a-t2-ri5", "heung-a-t2-ri8"]
+    assert named[2] == ["heung-b-t1-ri5", "heung-b-t1-ri7.5", "heung-b-t2-ri5", "heung-b-t2-ri7.5"]
+    for family in FAMILIES:
+        for actuator in actuators(family):
+            d = actuator.dimensions
+            found = printed(d.wall_mm, d.root_radius_mm, d.crest_radius_mm, d.half_pitch_mm, d.convolutions)
+            assert found is actuator.printed

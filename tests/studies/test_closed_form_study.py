@@ -1,0 +1,245 @@
+"""The closed-form study: its numbers against the equations solved one by one, its words against its numbers."""
+
+from __future__ import annotations
+
+import math
+import re
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from analytical.mends import MENDS
+from analytical.paper import actuators
+from studies import benchmark, closed_form_tables, exact_table, material_tables, validity_maps
+from studies.__main__ import BAD_INPUT, main
+from studies.closed_form_study import write_study
+from studies.closed_form_tables import CHAINS, CUTS, PRESSURES_KPA
+from studies.rows import read_rows
+from studies.tables import Table, as_text
+
+ACTUATORS = actuators()
+every_actuator = pytest.mark.parametrize("actuator", ACTUATORS, ids=[actuator.name for actuator in ACTUATORS])
+every_chain = pytest.mark.parametrize("rung", CHAINS)
+
+
+def lines(table: Table) -> list[dict[str, str]]:
+    return [dict(zip(table.header, line, strict=True)) for line in table.rows]
+
+
+def number(text: str) -> float:
+    return float(text.replace("\N{MINUS SIGN}", "-"))
+
+
+# --- chains, mends, loads -------------------------------------------------------------------
+
+
+@every_actuator
+@every_chain
+def test_chain_table_is_what_the_equations_give_one_by_one(actuator, rung) -> None:
+    found = lines(closed_form_tables.chain_table(actuator))
+    heading = {"closed_form_printed": "closed form as printed", "closed_form": "closed form"}
+    for line, pressure in zip(found, PRESSURES_KPA, strict=True):
+        by_equations = benchmark.elongation_by_equations_mm(
+            actuator.dimensions, actuator.law, pressure, reading=CHAINS[rung]
+        )
+        # two decimals are shown
+        assert number(line[heading.get(rung, "closed form, balanced")]) == pytest.approx(by_equations, abs=0.0051)
+    assert [line["paper: experiment"] for line in found[:-1]] == ["–", "–", "–"]
+    assert number(found[-1]["paper: closed form"]) == pytest.approx(10.0 * actuator.printed.closed_form_cm)
+
+
+@every_actuator
+def test_rows_hold_every_chain_and_output(actuator) -> None:
+    rows = closed_form_tables.chain_rows(actuator)
+    tips = [r for r in rows if r.quantity == "tip_mm" and not r.rung.startswith("paper_")]
+    assert len(tips) == (2 + len(CUTS)) * len(PRESSURES_KPA)
+    compared = [r for r in tips if r.pressure_kpa == 20.0]
+    assert all(r.reference == pytest.approx(10.0 * actuator.printed.closed_form_cm) for r in compared)
+    forces = {(r.rung, r.level, r.pressure_kpa): r.value for r in rows if r.quantity == "extension_force_n"}
+    for r in rows:
+        if r.quantity == "resistive_force_n":
+            # equilibrium, to the round-off of the root finder
+            assert r.value == pytest.approx(forces[r.rung, r.level, r.pressure_kpa], rel=1e-12)
+
+
+def test_states_and_what_rests_on_saturation() -> None:
+    statuses = {
+        (r.scene, r.rung, r.pressure_kpa): r.status
+        for actuator in ACTUATORS
+        for r in closed_form_tables.chain_rows(actuator)
+        if r.quantity == "tip_mm" and r.level in ("", "mean")
+    }
+    assert statuses["heung-t1-ri5", "closed_form", 20.0] == "reached, fully unfolded"
+    assert statuses["heung-t1-ri7", "closed_form_printed", 10.0] == "reached, past the model"
+    assert statuses["heung-t2-ri5", "closed_form_balanced", 20.0] == "reached"
+    text = closed_form_tables.resting_on_saturation(ACTUATORS)
+    assert "heung-t1-ri5 at 20 kPa and heung-t1-ri7 at 10, 15 and 20 kPa" in text
+    assert "12.1 cm and 6.6 cm" in text and "t2" not in text
+    assert "None" in closed_form_tables.resting_on_saturation(ACTUATORS[2:])
+    assert closed_form_tables.warnings(ACTUATORS[2]) == []
+    assert any("past the model" in text for text in closed_form_tables.warnings(ACTUATORS[1]))
+
+
+def test_every_mend_is_told_and_those_with_numbers_have_their_effect() -> None:
+    told = lines(closed_form_tables.mend_table())
+    assert [line["mend"] for line in told] == [mend.name for mend in MENDS]
+    effects = lines(closed_form_tables.effect_table(ACTUATORS[:2]))
+    with_numbers = [line["mend"] for line in told if line["effect on numbers"] == "see below"]
+    assert [line["effect, cm"] for line in effects] == with_numbers
+    (held,) = [line for line in effects if line["effect, cm"] == "full unfolding"]
+    assert held["heung-t1-ri5, 5 kPa"] == "0"
+    # 7.6 of 6.7 cm: without the rule the bellows would be shorter than at rest
+    assert number(held["heung-t1-ri7, 20 kPa"]) > 6.7
+
+
+def test_both_conventions_state_their_modulus() -> None:
+    found = lines(closed_form_tables.convention_table(ACTUATORS))
+    moduli = {line["convention"]: line["initial shear modulus, kPa"] for line in found}
+    # mu, and mu alpha / 2
+    assert moduli == {"2mu/alpha^2": "75.45", "mu/alpha": f"{75.449 * 5.836 / 2.0:.2f}"}
+    assert {line["actuator"] for line in found} == {"heung-t2-ri5", "heung-t2-ri7"}
+
+
+def test_inverse_and_blocked_tip() -> None:
+    for line in lines(closed_form_tables.inverse_table(ACTUATORS)):
+        asked = [re.fullmatch(r"([\d.]+) mm at ([\d.]+) kPa", line[share]) for share in ("25%", "50%", "75%")]
+        pressures = [float(found[2]) for found in asked if found]
+        assert len(pressures) == 3 and pressures == sorted(pressures) and pressures[-1] < 20.0
+    for line in lines(closed_form_tables.held_table(ACTUATORS)):
+        for pressure in PRESSURES_KPA:
+            found = re.fullmatch(r"([\d.]+) \(thrust ([\d.]+), λ_a ([\d.]+)\)", line[f"{pressure:g} kPa, N"])
+            # the blocked wall is compressed and pushes along with the thrust
+            assert found and float(found[1]) > float(found[2]) and float(found[3]) < 1.0
+
+
+# --- validity -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("inside", "text"),
+    [
+        ([True] * 5, "everywhere"),
+        ([False] * 5, "nowhere"),
+        ([True, False, False, True, True], "up to 1 kPa and from 4 kPa"),
+        ([False, True, True, False, False], "2 to 3 kPa"),
+    ],
+)
+def test_intervals_in_words(inside, text) -> None:
+    assert validity_maps.intervals(np.arange(1.0, 6.0), np.array(inside)) == text
+
+
+def test_maps_have_the_actuators_own_numbers_at_their_places() -> None:
+    for actuator in ACTUATORS:
+        d = actuator.dimensions
+        one = validity_maps.silicone_maps(actuator.silicone)
+        ratio, thickness = d.crest_radius_mm / d.root_radius_mm, d.wall_mm / d.root_radius_mm
+        own = closed_form_tables.path_of(actuator, CHAINS["closed_form"], validity_maps.MAP_PRESSURES_KPA)
+        i = int(np.argmin(abs(validity_maps.WALL_OVER_ROOT - thickness)))
+        j = int(np.argmin(abs(validity_maps.CREST_OVER_ROOT - ratio)))
+        # R_p / R_i = 2.1 and 1.5 are on the grid; t / R_i to half of its step of 0.01, where the elongation changes by
+        # less than 5 %
+        assert validity_maps.CREST_OVER_ROOT[j] == pytest.approx(ratio, rel=1e-12)
+        assert one.plane.elongation_mm[i, j] == pytest.approx(own.elongation_mm, rel=0.05)
+
+
+def test_effects_in_words_and_in_the_table_agree() -> None:
+    maps = [validity_maps.silicone_maps(silicone) for silicone in closed_form_tables.SILICONES]
+    (table,) = [lines(validity_maps.effect_table(ACTUATORS))]
+    for effect, line in zip(validity_maps.EFFECTS, table, strict=True):
+        assert line["change, %"] == effect.title
+        first, *rest = validity_maps.sentences(effect, ACTUATORS, maps)
+        assert len(rest) == len(maps)
+        for actuator in ACTUATORS:
+            (words,) = re.findall(rf"{actuator.name}: ([^;]+?)(?:;|\.$)", first)
+            large = abs(number(line[f"{actuator.name}, 20 kPa"])) > validity_maps.LIMIT_PERCENT
+            # none of the intervals ends between 20 kPa and the end of the sweep
+            assert large == (words == "everywhere" or "from" in words)
+
+
+def test_panels_mark_each_actuator_once_per_map() -> None:
+    maps = [validity_maps.silicone_maps(silicone) for silicone in closed_form_tables.SILICONES]
+    upper, lower = validity_maps.panels(validity_maps.EFFECTS[1], maps, ACTUATORS)
+    assert [list(panel.points) for panel in upper] == [["t1-ri5", "t1-ri7"]] * 2 + [[]]
+    assert dict(lower[-1].lines) == pytest.approx({"t2-ri5": 0.4})
+    for panel in (*upper, *lower):
+        assert panel.percent.shape == panel.unfolded.shape == (len(panel.y), len(panel.x))
+
+
+# --- material laws, exact solutions, benchmark ----------------------------------------------
+
+
+def test_material_tables() -> None:
+    constants = lines(material_tables.constants_table())
+    assert [line["initial shear modulus, kPa"] for line in constants] == ["72.00", "75.45", "220.16"]
+    # known figures of the 100 % modulus of both conventions
+    assert [line["nominal stress at 100 % elongation, kPa"] for line in constants[1:]] == ["737", "2150"]
+    *stable, refused = lines(material_tables.stability_table())
+    assert {line["result"] for line in stable} == {"stable in all three tests"}
+    assert "softens in equibiaxial extension at stretch 1.7" in refused["result"]
+    assert all(stress.shape == (300,) for test in material_tables.curves_kpa().values() for stress in test.values())
+
+
+def test_every_exact_solution_has_two_routes_that_agree() -> None:
+    found = exact_table.all_routes()
+    assert {one.law for one in found} == set(exact_table.LAWS)
+    assert len(found) == len(exact_table.table(found).rows) == len(exact_table.rows(found))
+    for one in found:
+        assert one.difference <= exact_table.GOAL, one
+        assert one.routes[0] != one.routes[1]
+
+
+@every_chain
+@pytest.mark.parametrize("law", benchmark.LAWS)
+def test_benchmark_compares_with_the_equations(rung, law) -> None:
+    designs = benchmark.random_designs(40, seed=1)
+    found = benchmark.measure(rung, law, designs, repetitions=2, sample=20)
+    assert len(found.per_second) == 2 and min(found.per_second) > 0.0
+    # both routes at round-off; short elongations are differences of lengths ten times as long
+    assert 0.0 <= found.median_error <= found.largest_error < 1e-11
+
+
+def test_benchmark_designs_repeat_and_stay_in_range() -> None:
+    one, other = (benchmark.random_designs(100, benchmark.SEED) for _ in range(2))
+    assert np.array_equal(one.root_radius_mm, other.root_radius_mm)
+    ratio = np.asarray(one.wall_mm) / np.asarray(one.root_radius_mm)
+    assert ratio.min() >= benchmark.WALL_OVER_ROOT[0] and ratio.max() <= benchmark.WALL_OVER_ROOT[1]
+
+
+def test_table_as_text_lines_up() -> None:
+    text = as_text(Table(("name", "number"), (("a", "1"), ("longer", "12")), left=(0,)))
+    assert text.splitlines() == ["name    number", "a            1", "longer      12"]
+
+
+# --- the report -----------------------------------------------------------------------------
+
+
+def test_bad_output_folder_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    for command in ("closed-form", "benchmark-closed-form"):
+        result = CliRunner().invoke(main, [command, "--out", str(tmp_path / "file")])
+        assert result.exit_code == BAD_INPUT
+
+
+@pytest.mark.slow
+def test_the_whole_study_is_written_in_less_than_a_minute(tmp_path: Path) -> None:
+    begin = time.perf_counter()
+    page = write_study(tmp_path)
+    assert time.perf_counter() - begin < 60.0
+    text = (tmp_path / "report.md").read_text(encoding="utf-8")
+    addresses = re.findall(r"\]\(([^)#]+)\)", text)
+    assert "rows.csv" in addresses and len(addresses) == 1 + 4 + len(validity_maps.EFFECTS) + 1
+    assert all((tmp_path / address).is_file() for address in addresses)
+    html = page.read_text(encoding="utf-8")
+    assert all(source.startswith("data:image/png;base64,") for source in re.findall(r'src="([^"]{0,40})', html))
+    assert html.count("<table>") == text.count("\n| ---:") + text.count("\n| :---")
+    assert not re.search(r"&amp;lt;|&lt;su[bp]|nan\b|{{", html)
+    anchors = re.findall(r"\]\(#([^)]+)\)", text)
+    assert len(anchors) == 4 and all(f'<a id="{anchor}"></a>' in text for anchor in anchors)
+    rows = read_rows(tmp_path / "rows.csv")
+    assert {r.scene for r in rows} >= {actuator.name for actuator in ACTUATORS}
+    missing = [r for r in rows if math.isnan(r.value)]
+    # only the mend whose print cannot be evaluated
+    assert {(r.quantity, r.level) for r in missing} == {("mend_effect_cm", "sign of the pressure")}
