@@ -34,6 +34,7 @@ from solvers.records import Path as EquilibriumPath
 from solvers.state import State
 from studies import provenance
 from studies.build import SECTORS, Tip, masses_g, revolve_state, scene_body, scene_meridian, scene_problem
+from studies.gaps import GapMeter
 from studies.progress import Progress
 from studies.results import (
     FIELDS_FOLDER,
@@ -109,9 +110,10 @@ class _Log:
     The mesh is one of ``parts`` of the whole.
     """
 
-    def __init__(self, job: _Job, comm: MPI.Comm, mesh: SolidMesh, parts: int = 1) -> None:
+    def __init__(self, job: _Job, comm: MPI.Comm, mesh: SolidMesh, gaps: GapMeter, parts: int = 1) -> None:
         self.job, self.comm, self.mesh, self.parts = job, comm, mesh, parts
         self.tip = Tip(job.scene, mesh)
+        self._gaps = gaps
         self.rows: list[PathRow] = []
         self.notes = list(job.notes)
         self.factorisations, self.seconds = 0, 0.0
@@ -140,7 +142,15 @@ class _Log:
 
     def state(self, item: PathState) -> PathRow:
         """Take in a converged state."""
-        row = _path_row(self.tip, item, self.parts)
+        touch = self._gaps.measure(item.state)
+        row = _path_row(self.tip, item, touch.gap.gap_mm, self.parts)
+        if touch.gap.gap_mm <= 0.0 and not any(r.min_gap_mm <= 0.0 for r in self.rows):
+            last = self.rows[-1].pressure_kpa if self.rows else 0.0
+            r, z = touch.gap.at_mm
+            self.notes.append(
+                f"contact not modelled beyond {last:.4g} kPa: {touch.between} touch first between {last:.4g} and "
+                f"{row.pressure_kpa:.4g} kPa, at r = {r:.2f}, z = {z:.2f} mm"
+            )
         self.rows.append(dataclasses.replace(row, wall_s=self.seconds + row.wall_s))
         self.job.progress.state(item.state.load_mpa)
         return self.rows[-1]
@@ -180,7 +190,7 @@ def _stamp(comm: MPI.Comm) -> dict[str, Any]:
     }
 
 
-def _path_row(tip: Tip, item: PathState, parts: int = 1) -> PathRow:
+def _path_row(tip: Tip, item: PathState, gap_mm: float, parts: int = 1) -> PathRow:
     """A row of path.csv; volume, energy and reaction are those of the whole, of which a sector is one of ``parts``."""
     unstable = item.newton.excess_negatives
     return PathRow(
@@ -193,7 +203,7 @@ def _path_row(tip: Tip, item: PathState, parts: int = 1) -> PathRow:
         energy_mj=parts * item.energy_mj,
         reaction_n=parts * item.reaction_n,
         min_det_f=item.newton.min_det_f,
-        min_gap_mm=math.nan,
+        min_gap_mm=gap_mm,
         unstable_modes=math.nan if unstable is None else float(unstable),
         unstable_by_m="",
         newton_iterations=item.newton.iterations,
@@ -310,7 +320,7 @@ def _solve_axisymmetric(scene: Scene, refinement: int, folder: Path, progress: P
     problem = scene_problem(scene, mesh, MPI.COMM_SELF)
     problem.timer.seconds["mesh"] = meshed
     factor = Factor(problem)
-    log = _Log(job, problem.comm, mesh)
+    log = _Log(job, problem.comm, mesh, GapMeter(scene, mesh))
 
     def keep(item: PathState) -> None:
         row = log.state(item)
@@ -380,7 +390,7 @@ def run_body(
     problem = scene_problem(scene, body if comm.rank == 0 else None, comm)
     problem.timer.seconds["mesh"] = meshed
     factor = Factor(problem)
-    log = _Log(job, comm, body, SECTORS[rung])
+    log = _Log(job, comm, body, GapMeter(scene, meridian, body), SECTORS[rung])
 
     def keep(item: PathState) -> None:
         row = log.state(item)
