@@ -22,7 +22,8 @@ from studies import benchmark, closed_form_study, dimension_scenes, dimensions, 
 from studies.plan import RUNGS, Plan, Rung, around_levels, describe, make_plan
 from studies.progress import Progress
 from studies.results import write_text_atomically
-from studies.scene import Scene, SceneError, load_scene
+from studies.scene import Scene, load_scene
+from studies.sections import SceneError
 from studies.tables import as_text
 
 BAD_INPUT, STOPPED = 2, 3
