@@ -34,6 +34,7 @@ STABLE_STRETCH = 4.0
 # A bond meant as rigid is a layer this stiff, MPa/mm: its slip under 20 kPa is below 0.01 mm.
 RIGID_BOND_MPA_PER_MM = 300.0
 
+
 class Geometry(Section):
     """The bellows, mm; radii are cavity-side, the wall is measured normal to itself."""
 
