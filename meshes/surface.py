@@ -9,7 +9,7 @@ from meshes.errors import MeshError
 from meshes.solid import FACETS, FloatArray, IntArray, SolidMesh
 
 # Corners of the facets of the reference cells.
-_FACET_CORNERS = {
+_FACET_CORNERS: dict[str, list[tuple[int, ...]]] = {
     "triangle": [(1, 2), (0, 2), (0, 1)],
     "quadrilateral": [(0, 1), (0, 2), (1, 3), (2, 3)],
     "tetrahedron": [(1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)],
@@ -39,13 +39,13 @@ def surface_weights(mesh: SolidMesh, name: str) -> FloatArray:
     MeshError
         If the mesh has no such surface.
     """
-    wanted = {tuple(f) for f in mesh.facets[mesh.facet_tags == FACETS[name]]}
+    wanted = {tuple(f) for f in mesh.facets[mesh.facet_tags == FACETS[name]].tolist()}
     if not wanted:
         raise MeshError(f"the mesh has no surface named {name}")
     weights = np.zeros(len(mesh.points))
     for corners in _FACET_CORNERS[mesh.cell.name]:
         facets = np.sort(mesh.cells[:, list(corners)], axis=1)
-        cells = mesh.cells[[tuple(f) in wanted for f in facets]]
+        cells = mesh.cells[[tuple(f) in wanted for f in facets.tolist()]]
         if len(cells):
             np.add.at(weights, cells, _facet_integrals(mesh.points, cells, mesh.cell, corners))
     return weights

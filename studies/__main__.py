@@ -6,6 +6,7 @@ results saved.
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 import traceback
@@ -19,10 +20,14 @@ from analytical.bellows import BellowsError
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
 from studies import benchmark, closed_form_study, dimension_scenes, dimensions, provenance, session
-from studies.plan import RUNGS, Plan, Rung, around_levels, describe, make_plan
+from studies.exact_scene import AnyScene, load_any_scene
+from studies.kinds import AnyPlan, description, plan_for, run
+from studies.plan import RUNGS, Rung, around_levels, make_plan
 from studies.progress import Progress
 from studies.results import write_text_atomically
-from studies.scene import Scene, SceneError, load_scene
+from studies.rows import Row
+from studies.scene import Scene
+from studies.sections import SceneError
 from studies.tables import as_text
 
 BAD_INPUT, STOPPED = 2, 3
@@ -41,13 +46,13 @@ def _out(text: str) -> None:
         click.echo(text)
 
 
-def _load(paths: tuple[Path, ...], rung: Rung | None = None) -> list[tuple[Scene, str]]:
+def _load(paths: tuple[Path, ...], rung: Rung | None = None) -> list[tuple[AnyScene, str]]:
     """All scenes, or exit with every fault found, also of the asked rung; nothing has been written."""
     scenes, faults = [], []
     for path in paths:
         try:
-            scenes.append((load_scene(path), path.read_text(encoding="utf-8")))
-            make_plan(scenes[-1][0], rung)
+            scenes.append((load_any_scene(path), path.read_text(encoding="utf-8")))
+            plan_for(scenes[-1][0], rung)
         except SceneError as error:
             faults.append(str(error))
     names = [scene.name for scene, _ in scenes]
@@ -95,7 +100,7 @@ def main() -> None:
 def plan(scene: Path, rung: Rung | None) -> None:
     """Print what would be solved for SCENE, what is skipped, and why."""
     ((checked, _),) = _load((scene,), rung)
-    _out(describe(checked, make_plan(checked, rung)))
+    _out(description(checked, rung))
 
 
 @main.command()
@@ -106,14 +111,14 @@ def solve(scene: Path, out: Path, rung: Rung | None) -> None:
     """Solve SCENE; writes path.csv, summary.json and rows.csv into the output folder."""
     ((checked, text),) = _load((scene,), rung)
     _writable(out)
-    sys.exit(_solve(checked, text, make_plan(checked, rung), out, MPI.COMM_WORLD))
+    sys.exit(_solve(checked, text, plan_for(checked, rung), out, MPI.COMM_WORLD))
 
 
-def _solve(scene: Scene, text: str, plan: Plan, out: Path, comm: MPI.Comm) -> int:
+def _solve(scene: AnyScene, text: str, plan: AnyPlan, out: Path, comm: MPI.Comm) -> int:
     """Run a plan, print its rows; returns the exit code."""
     progress = Progress(comm)
     try:
-        result = session.run_plan(scene, text, plan, out, comm, progress)
+        result = run(scene, text, plan, out, comm, progress)
     except (GeometryError, MeshError, SolverError, BellowsError) as error:
         progress.end("")
         if comm.rank == 0:
@@ -125,14 +130,23 @@ def _solve(scene: Scene, text: str, plan: Plan, out: Path, comm: MPI.Comm) -> in
             MPI.COMM_WORLD.Abort(STOPPED)
         return STOPPED
     if comm.rank == 0:
-        for entry in result.rows:
-            if entry.quantity == "tip_mm":
-                spread = f" +- {entry.uncertainty:.3f}" if entry.uncertainty == entry.uncertainty else ""
-                value = f"{entry.value:.3f}{spread} mm" if entry.value == entry.value else entry.status
-                click.echo(f"{scene.name}  {entry.pressure_kpa:g} kPa  {entry.rung} {entry.level}: {value}")
-        if not result.reached and result.answer is not None:
-            click.echo(f"{scene.name}: stopped early: {result.answer.summary.reason}", err=True)
+        for entry in result.headlines:
+            click.echo(f"{scene.name}  {_shown(entry)}")
+        if not result.reached:
+            click.echo(f"{scene.name}: stopped early: {result.reason}", err=True)
     return 0 if result.reached else STOPPED
+
+
+def _shown(entry: Row) -> str:
+    """A row for the terminal."""
+    at = "" if math.isnan(entry.pressure_kpa) else f"{entry.pressure_kpa:g} kPa  "
+    name = "" if entry.quantity == "tip_mm" else f"{entry.quantity} "
+    if math.isnan(entry.value):
+        return f"{at}{entry.rung} {entry.level}: {name}{entry.status}"
+    spread = "" if math.isnan(entry.uncertainty) else f" +- {entry.uncertainty:.2g}"
+    exact = "" if math.isnan(entry.reference) else f" ({entry.error_percent:+.4f} % from {entry.source})"
+    digits = ".3f" if entry.quantity == "tip_mm" else ".6g"
+    return f"{at}{entry.rung} {entry.level}: {name}{entry.value:{digits}}{spread} {entry.unit}{exact if name else ''}"
 
 
 @main.command()
@@ -155,7 +169,7 @@ def batch(scenes: tuple[Path, ...], out: Path, rung: Rung | None, ranks_per_scen
     mine = world.rank // size
     comm = world.Split(mine, world.rank)
     codes = [
-        _solve(scene, text, make_plan(scene, rung), out / scene.name, comm) for scene, text in checked[mine::groups]
+        _solve(scene, text, plan_for(scene, rung), out / scene.name, comm) for scene, text in checked[mine::groups]
     ]
     code = max(world.allreduce(max(codes, default=0), op=MPI.MAX), 0)
     if world.rank == 0:
@@ -173,6 +187,7 @@ def study(out: Path, smoke: bool) -> None:
     _writable(out)
     code = 0
     for scene, text in scenes:
+        assert isinstance(scene, Scene)
         levels = around_levels(scene)
         plan = make_plan(scene, "full3d", levels[:1] if smoke else levels)
         code = max(code, _solve(scene, text, plan, out / scene.name, MPI.COMM_WORLD))

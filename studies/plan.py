@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from studies.scene import Scene, SceneError, in_hexahedra
+from studies.scene import Scene, in_hexahedra
+from studies.sections import SceneError
 
 Rung = Literal["closed_form", "axisymmetric", "sector", "full3d"]
 RUNGS: tuple[Rung, ...] = ("closed_form", "axisymmetric", "sector", "full3d")

@@ -12,7 +12,7 @@ import hashlib
 import json
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -34,7 +34,7 @@ from solvers.records import Path as EquilibriumPath
 from solvers.state import State
 from studies import provenance
 from studies.build import SECTORS, Tip, masses_g, revolve_state, scene_body, scene_meridian, scene_problem
-from studies.gaps import GapMeter
+from studies.gaps import GapMeter, Touch
 from studies.progress import Progress
 from studies.results import (
     FIELDS_FOLDER,
@@ -80,10 +80,10 @@ CHECKPOINT_FILE, MODE_FILE = "checkpoint.npz", "critical_mode"
 
 
 @dataclass(frozen=True)
-class _Job:
+class Job:
     """What identifies a run while it goes on."""
 
-    scene: Scene
+    scene: str
     rung: str
     level: str
     folder: Path
@@ -94,26 +94,52 @@ class _Job:
 
     @property
     def label(self) -> str:
-        return f"{self.scene.name} {self.rung} {self.level}"
+        """Scene, model and mesh."""
+        return f"{self.scene} {self.rung} {self.level}"
 
 
-def _begin(scene: Scene, rung: str, level: str, folder: Path, notes: Sequence[str], progress: Progress) -> _Job:
+def _begin(scene: Scene, rung: str, level: str, folder: Path, notes: Sequence[str], progress: Progress) -> Job:
+    content_hash = run_hash(scene, rung, level)
+    return begin(scene.name, rung, level, folder, content_hash, notes, progress, scene.pressures_mpa[-1])
+
+
+def begin(
+    scene: str,
+    rung: str,
+    level: str,
+    folder: Path,
+    content_hash: str,
+    notes: Sequence[str],
+    progress: Progress,
+    highest_mpa: float,
+) -> Job:
+    """Start the clock, the memory's peak and the progress of a run whose highest asked pressure is given."""
     provenance.reset_peak_memory()
-    job = _Job(scene, rung, level, folder, run_hash(scene, rung, level), tuple(notes), progress, time.perf_counter())
-    progress.begin(job.label, scene.pressures_mpa[-1])
+    job = Job(scene, rung, level, folder, content_hash, tuple(notes), progress, time.perf_counter())
+    progress.begin(job.label, highest_mpa)
     return job
 
 
-class _Log:
+class Log:
     """Rows, counters and files of a run on its way; what an interrupted run left is read first. Every rank calls.
 
-    The mesh is one of ``parts`` of the whole.
+    Parameters
+    ----------
+    job, comm, mesh
+        The run, who takes part, and on what.
+    row_of
+        A converged state as a row of path.csv.
     """
 
-    def __init__(self, job: _Job, comm: MPI.Comm, mesh: SolidMesh, gaps: GapMeter, parts: int = 1) -> None:
-        self.job, self.comm, self.mesh, self.parts = job, comm, mesh, parts
-        self.tip = Tip(job.scene, mesh)
-        self._gaps = gaps
+    def __init__(
+        self,
+        job: Job,
+        comm: MPI.Comm,
+        mesh: SolidMesh,
+        row_of: Callable[[PathState], PathRow],
+        gaps: GapMeter | None = None,
+    ) -> None:
+        self.job, self.comm, self.mesh, self.row_of, self._gaps = job, comm, mesh, row_of, gaps
         self.rows: list[PathRow] = []
         self.notes = list(job.notes)
         self.factorisations, self.seconds = 0, 0.0
@@ -142,8 +168,15 @@ class _Log:
 
     def state(self, item: PathState) -> PathRow:
         """Take in a converged state."""
-        touch = self._gaps.measure(item.state)
-        row = _path_row(self.tip, item, touch.gap.gap_mm, self.parts)
+        row = self.row_of(item)
+        if self._gaps is not None:
+            row = self._with_gap(row, self._gaps.measure(item.state))
+        self.rows.append(dataclasses.replace(row, wall_s=self.seconds + row.wall_s))
+        self.job.progress.state(item.state.load_mpa)
+        return self.rows[-1]
+
+    def _with_gap(self, row: PathRow, touch: Touch) -> PathRow:
+        """The row with its gap; the first touch is noted."""
         if touch.gap.gap_mm <= 0.0 and not any(r.min_gap_mm <= 0.0 for r in self.rows):
             last = self.rows[-1].pressure_kpa if self.rows else 0.0
             r, z = touch.gap.at_mm
@@ -151,9 +184,7 @@ class _Log:
                 f"contact not modelled beyond {last:.4g} kPa: {touch.between} touch first between {last:.4g} and "
                 f"{row.pressure_kpa:.4g} kPa, at r = {r:.2f}, z = {z:.2f} mm"
             )
-        self.rows.append(dataclasses.replace(row, wall_s=self.seconds + row.wall_s))
-        self.job.progress.state(item.state.load_mpa)
-        return self.rows[-1]
+        return dataclasses.replace(row, min_gap_mm=touch.gap.gap_mm)
 
     def step(self, memory: PathMemory | GuessMemory, factor: Factor) -> None:
         """Write the critical mode if it has just been found, and the checkpoint."""
@@ -178,7 +209,7 @@ class _Log:
             self._file.unlink(missing_ok=True)
 
 
-def _stamp(comm: MPI.Comm) -> dict[str, Any]:
+def stamp(comm: MPI.Comm) -> dict[str, Any]:
     """Provenance fields of a summary."""
     return {
         "versions": provenance.versions(),
@@ -190,20 +221,20 @@ def _stamp(comm: MPI.Comm) -> dict[str, Any]:
     }
 
 
-def _path_row(tip: Tip, item: PathState, gap_mm: float, parts: int = 1) -> PathRow:
+def path_row(item: PathState, tip_mm: float, tip_centre_mm: float, parts: int = 1) -> PathRow:
     """A row of path.csv; volume, energy and reaction are those of the whole, of which a sector is one of ``parts``."""
     unstable = item.newton.excess_negatives
     return PathRow(
         pressure_kpa=1e3 * item.state.load_mpa,
         control=item.control,
-        tip_mm=tip.mean_mm(item.state),
-        tip_centre_mm=tip.centre_mm(item.state),
+        tip_mm=tip_mm,
+        tip_centre_mm=tip_centre_mm,
         tip_force_n=0.0,
         volume_mm3=parts * item.volume_mm3,
         energy_mj=parts * item.energy_mj,
         reaction_n=parts * item.reaction_n,
         min_det_f=item.newton.min_det_f,
-        min_gap_mm=gap_mm,
+        min_gap_mm=math.nan,
         unstable_modes=math.nan if unstable is None else float(unstable),
         unstable_by_m="",
         newton_iterations=item.newton.iterations,
@@ -264,7 +295,7 @@ def run_closed_form(scene: Scene, folder: Path, comm: MPI.Comm) -> Run:
         ring_g=rings,
         time_s={"total": time.perf_counter() - begin},
         peak_mb=provenance.peak_memory_mb(comm),
-        **_stamp(comm),
+        **stamp(comm),
     )
     if comm.rank == 0:
         write_path(folder, rows)
@@ -320,7 +351,14 @@ def _solve_axisymmetric(scene: Scene, refinement: int, folder: Path, progress: P
     problem = scene_problem(scene, mesh, MPI.COMM_SELF)
     problem.timer.seconds["mesh"] = meshed
     factor = Factor(problem)
-    log = _Log(job, problem.comm, mesh, GapMeter(scene, mesh))
+    tip = Tip(scene, mesh)
+    log = Log(
+        job,
+        problem.comm,
+        mesh,
+        lambda item: path_row(item, tip.mean_mm(item.state), tip.centre_mm(item.state)),
+        GapMeter(scene, mesh),
+    )
 
     def keep(item: PathState) -> None:
         row = log.state(item)
@@ -338,7 +376,7 @@ def _solve_axisymmetric(scene: Scene, refinement: int, folder: Path, progress: P
         on_step=lambda memory: log.step(memory, factor),
         resume=log.memory if isinstance(log.memory, PathMemory) else None,
     )
-    return _finish(log, problem, factor, path, mesh)
+    return _finish(scene, log, problem, factor, path, mesh)
 
 
 def run_body(
@@ -390,7 +428,14 @@ def run_body(
     problem = scene_problem(scene, body if comm.rank == 0 else None, comm)
     problem.timer.seconds["mesh"] = meshed
     factor = Factor(problem)
-    log = _Log(job, comm, body, GapMeter(scene, meridian, body), SECTORS[rung])
+    tip, parts = Tip(scene, body), SECTORS[rung]
+    log = Log(
+        job,
+        comm,
+        body,
+        lambda item: path_row(item, tip.mean_mm(item.state), tip.centre_mm(item.state), parts),
+        GapMeter(scene, meridian, body),
+    )
 
     def keep(item: PathState) -> None:
         row = log.state(item)
@@ -398,7 +443,7 @@ def run_body(
             with problem.timer("output"):
                 save_state(folder, job.content_hash, item.state, row)
                 if scene.ask.fields:
-                    write_vtu(_field_file(folder, item.state.load_mpa), body, item.state)
+                    write_vtu(field_file(folder, item.state.load_mpa), body, item.state)
 
     path = follow_guesses(
         problem,
@@ -412,34 +457,35 @@ def run_body(
     )
     if path.reached and len(guesses) < len(scene.pressures_mpa):
         path = dataclasses.replace(path, reached=False, reason="the axisymmetric path stopped here")
-    return _finish(log, problem, factor, path, meridian)
+    return _finish(scene, log, problem, factor, path, meridian)
 
 
 def _add_missing_fields(scene: Scene, around: int, folder: Path, run: Run) -> None:
     """Write the fields of a finished run that was made without them."""
     reached = [row.pressure_kpa for row in run.path if row.status == "asked"]
-    missing = [p for p in reached if not _field_file(folder, 1e-3 * p).exists()]
+    missing = [p for p in reached if not field_file(folder, 1e-3 * p).exists()]
     if not scene.ask.fields or not missing:
         return
     body = scene_body(scene_meridian(scene, 1), run.summary.rung, around)
     for pressure in missing:
         saved = load_state(folder, run.summary.content_hash, 1e-3 * pressure)
         if saved is not None:
-            write_vtu(_field_file(folder, 1e-3 * pressure), body, saved[0])
-    _write_collection(folder, scene.load.pressure_kpa)
+            write_vtu(field_file(folder, 1e-3 * pressure), body, saved[0])
+    write_collection(folder, scene.load.pressure_kpa)
 
 
-def _field_file(folder: Path, pressure_mpa: float) -> Path:
+def field_file(folder: Path, pressure_mpa: float) -> Path:
+    """Where a run's fields at a load are."""
     return folder / FIELDS_FOLDER / f"p{1e3 * pressure_mpa:06.3f}.vtu"
 
 
 def field_files(folder: Path, pressures_kpa: Sequence[float]) -> dict[float, Path]:
     """The field files a run has written, by pressure in kPa."""
-    files = {p: _field_file(folder, 1e-3 * p) for p in pressures_kpa}
+    files = {p: field_file(folder, 1e-3 * p) for p in pressures_kpa}
     return {p: f for p, f in files.items() if f.exists()}
 
 
-def _write_collection(folder: Path, pressures_kpa: Sequence[float]) -> None:
+def write_collection(folder: Path, pressures_kpa: Sequence[float]) -> None:
     """A ParaView collection over the pressures."""
     entries = "".join(
         f'<DataSet timestep="{p:g}" file="{f.relative_to(folder)}"/>'
@@ -463,10 +509,32 @@ def _facts(crossing: Crossing | None) -> dict[str, Any]:
     }
 
 
-def _finish(log: _Log, problem: Problem, factor: Factor, path: EquilibriumPath, meridian: SolidMesh) -> Run:
-    """Write a run's path and summary on rank 0; the same Run on every rank."""
+def _finish(
+    scene: Scene, log: Log, problem: Problem, factor: Factor, path: EquilibriumPath, meridian: SolidMesh
+) -> Run:
+    if log.comm.rank == 0 and scene.ask.fields and log.job.rung in SECTORS:
+        write_collection(log.job.folder, scene.load.pressure_kpa)
+    return finish(log, problem, factor, path, meridian, masses_g(scene, meridian))
+
+
+def finish(
+    log: Log,
+    problem: Problem,
+    factor: Factor,
+    path: EquilibriumPath,
+    measured: SolidMesh,
+    masses: tuple[float, float],
+) -> Run:
+    """Write a run's path and summary on rank 0; the same Run on every rank.
+
+    Parameters
+    ----------
+    measured
+        The mesh whose quality is reported: that of the meridian for a body made from one.
+    masses
+        Of silicone and rings, g.
+    """
     job, rows, mesh = log.job, log.rows, log.mesh
-    scene = job.scene
     made = log.factorisations + factor.count
     comm = problem.comm
     peak = provenance.peak_memory_mb(comm)
@@ -474,15 +542,15 @@ def _finish(log: _Log, problem: Problem, factor: Factor, path: EquilibriumPath, 
     seconds = {k: float(v) for k, v in problem.timer.seconds.items()}
     summary = None
     if comm.rank == 0:
-        quality = mesh_quality(meridian)
+        quality = mesh_quality(measured)
         notes = log.notes
         if quality.boundary_only_cells:
-            notes.append(f"warning: {quality.boundary_only_cells} meridian cells have all corners on the boundary")
+            notes.append(f"warning: {quality.boundary_only_cells} cells have all corners on the boundary: they lock")
         if not problem.conservative:
             notes.append("warning: the load is not conservative: unsymmetric tangent, unstable modes are not counted")
-        silicone, rings = masses_g(scene, meridian)
+        silicone, rings = masses
         summary = RunSummary(
-            scene=scene.name,
+            scene=job.scene,
             rung=job.rung,
             level=job.level,
             status="reached" if path.reached else "stopped",
@@ -501,11 +569,9 @@ def _finish(log: _Log, problem: Problem, factor: Factor, path: EquilibriumPath, 
             peak_mb=peak,
             cause=str(path.cause),
             crossing=_facts(path.crossing),
-            **_stamp(comm),
+            **stamp(comm),
         )
         write_path(job.folder, rows)
-        if scene.ask.fields and job.rung in SECTORS:
-            _write_collection(job.folder, scene.load.pressure_kpa)
         write_summary(job.folder, summary)
         log.done()
     summary = comm.bcast(summary)

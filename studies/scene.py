@@ -5,14 +5,12 @@ Every key carries its unit. Errors are collected and each names the key, its val
 
 from __future__ import annotations
 
-import difflib
 import math
-import tomllib
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from analytical.bellows import BellowsDimensions
 from analytical.materials import (
@@ -29,26 +27,15 @@ from analytical.materials import (
 from meshes.bellows import BellowsShape, check_shape
 from meshes.errors import GeometryError
 from meshes.ring import RingShape
+from studies.sections import Length, Modulus, Section, Stiffness, read_toml, validated
 
 # Stretches up to this must be stable for a law to be accepted; the reference actuators stay below it to 20 kPa.
 STABLE_STRETCH = 4.0
 # A bond meant as rigid is a layer this stiff, MPa/mm: its slip under 20 kPa is below 0.01 mm.
 RIGID_BOND_MPA_PER_MM = 300.0
 
-Length = Annotated[float, Field(gt=0.0, le=1000.0, allow_inf_nan=False)]
-Stiffness = Annotated[float, Field(gt=0.0, le=1e4, allow_inf_nan=False)]
-Modulus = Annotated[float, Field(gt=0.0, le=1e5, allow_inf_nan=False)]
 
-
-class SceneError(ValueError):
-    """A scene that cannot be run; one line per fault."""
-
-
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=False)
-
-
-class Geometry(_Section):
+class Geometry(Section):
     """The bellows, mm; radii are cavity-side, the wall is measured normal to itself."""
 
     kind: Literal["bellows"]
@@ -64,7 +51,7 @@ class Geometry(_Section):
     cap_mm: Length = 5.0
 
 
-class Rings(_Section):
+class Rings(Section):
     """Rings on the crests' seats and how they are bonded."""
 
     model: Literal["rigid", "meshed", "none"] = "rigid"
@@ -78,7 +65,7 @@ class Rings(_Section):
     edge_radius_mm: Annotated[float, Field(ge=0.0, le=100.0)] = 0.5
 
 
-class Mesh(_Section):
+class Mesh(Section):
     """Kind of cells: hexahedra (quadrilaterals on the meridian), or tetrahedra (triangles) as in the paper.
 
     ``auto`` takes hexahedra unless the rings are meshed.
@@ -87,7 +74,7 @@ class Mesh(_Section):
     element: Literal["auto", "hex", "tet"] = "auto"
 
 
-class YeohMaterial(_Section):
+class YeohMaterial(Section):
     """W = sum C_i (I1 - 3)^i; initial shear modulus 2 C1."""
 
     law: Literal["yeoh"]
@@ -95,7 +82,7 @@ class YeohMaterial(_Section):
     kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
 
 
-class OgdenMaterial(_Section):
+class OgdenMaterial(Section):
     """One Ogden term; the convention says what mu is (initial shear modulus mu, or mu alpha / 2)."""
 
     law: Literal["ogden"]
@@ -105,7 +92,7 @@ class OgdenMaterial(_Section):
     kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
 
 
-class NeoHookeMaterial(_Section):
+class NeoHookeMaterial(Section):
     """W = mu/2 (I1 - 3); initial shear modulus mu."""
 
     law: Literal["neo-hooke"]
@@ -113,7 +100,7 @@ class NeoHookeMaterial(_Section):
     kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
 
 
-class Load(_Section):
+class Load(Section):
     """Cavity pressures at which results are asked, kPa, ascending, and what the steps between are taken in."""
 
     pressure_kpa: Annotated[list[Annotated[float, Field(gt=0.0, allow_inf_nan=False)]], Field(min_length=1)]
@@ -126,7 +113,7 @@ class Load(_Section):
         return self
 
 
-class Ask(_Section):
+class Ask(Section):
     """What is wanted, how exactly, and whether fields are to be written."""
 
     quantities: list[Literal["tip_mm"]] = ["tip_mm"]
@@ -134,7 +121,7 @@ class Ask(_Section):
     fields: bool = False
 
 
-class Scene(_Section):
+class Scene(Section):
     """A whole scene."""
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$")]
@@ -246,20 +233,7 @@ def load_scene(path: Path) -> Scene:
     SceneError
         With one line per fault; nothing has been meshed, solved or written.
     """
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise SceneError(f"{path}: cannot be read ({error.strerror}); give the path of a scene file") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise SceneError(f"{path}: not a TOML file: {error}") from None
-    try:
-        scene = Scene.model_validate(data)
-    except ValidationError as error:
-        raise SceneError("\n".join(f"{path}: {line}" for line in _explain(error))) from None
-    faults = _faults(scene)
-    if faults:
-        raise SceneError("\n".join(f"{path}: {line}" for line in faults))
-    return scene
+    return validated(Scene, read_toml(path), path, _faults)
 
 
 def _faults(scene: Scene) -> list[str]:
@@ -281,61 +255,23 @@ def _faults(scene: Scene) -> list[str]:
         faults.append(
             f"rings.bond_grading_mm = {rings.bond_grading_mm:g}: must be at most half of seat_mm = {rings.seat_mm:g}"
         )
+    return faults + material_faults(scene.material, scene.load.pressure_kpa[-1], "load.pressure_kpa")
+
+
+def material_faults(
+    material: YeohMaterial | OgdenMaterial | NeoHookeMaterial, highest_kpa: float, key: str
+) -> list[str]:
+    """What is wrong with a law, or with a highest load beside it that suggests another unit."""
+    faults = []
     try:
-        law = law_of(scene.material)
+        law = law_of(material)
         check_stability(law, STABLE_STRETCH)
         modulus = 1e3 * law.initial_shear_modulus_mpa
-        highest = scene.load.pressure_kpa[-1]
-        if highest > 10.0 * modulus:
+        if highest_kpa > 10.0 * modulus:
             faults.append(
-                f"load.pressure_kpa reaches {highest:g}: more than 10 times the initial shear modulus, "
+                f"{key} reaches {highest_kpa:g}: more than 10 times the initial shear modulus, "
                 f"{modulus:g} kPa; check the units (kPa)"
             )
     except MaterialError as error:
         faults.append(f"material: {error}")
     return faults
-
-
-def _explain(error: ValidationError) -> list[str]:
-    """Pydantic's findings as lines with key, value and what is allowed."""
-    lines = []
-    for fault in error.errors():
-        where = [str(part) for part in fault["loc"] if part not in ("yeoh", "ogden", "neo-hooke")]
-        key, value = ".".join(where), fault.get("input")
-        kind, context = fault["type"], fault.get("ctx", {})
-        if kind == "extra_forbidden":
-            allowed = _allowed_keys(fault["loc"])
-            near = difflib.get_close_matches(where[-1], allowed, n=1, cutoff=0.5)
-            hint = f"did you mean {near[0]}? " if near else ""
-            lines.append(f"{key} = {value!r}: unknown key; {hint}allowed: {', '.join(allowed)}")
-        elif kind == "missing":
-            lines.append(f"{key}: missing, and has no default")
-        elif kind == "union_tag_not_found":
-            lines.append(f"{key}.law: missing; allowed: {context.get('discriminator', '')} in yeoh, ogden, neo-hooke")
-        elif kind in ("literal_error", "union_tag_invalid"):
-            allowed_values = context.get("expected") or context.get("expected_tags")
-            shown = value.get("law") if isinstance(value, dict) else value
-            name = f"{key}.law" if kind == "union_tag_invalid" else key
-            lines.append(f"{name} = {shown!r}: allowed: {allowed_values}")
-        else:
-            text = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
-            unit = next((u for u in ("mm", "kpa") if key.endswith("_" + u)), "").replace("kpa", "kPa")
-            text = f"{text} {unit}".rstrip() if kind in ("greater_than", "less_than_equal") else text
-            lines.append(text if kind == "value_error" and "=" in text else f"{key} = {value!r}: {text}")
-    return lines
-
-
-def _allowed_keys(location: tuple[Any, ...]) -> list[str]:
-    sections: dict[str, type[_Section]] = {
-        "geometry": Geometry,
-        "rings": Rings,
-        "mesh": Mesh,
-        "load": Load,
-        "ask": Ask,
-    }
-    materials: dict[str, type[_Section]] = {"yeoh": YeohMaterial, "ogden": OgdenMaterial, "neo-hooke": NeoHookeMaterial}
-    if len(location) == 1:
-        return list(Scene.model_fields)
-    if location[0] == "material":
-        return list(materials[str(location[1])].model_fields)
-    return list(sections[str(location[0])].model_fields)

@@ -47,6 +47,16 @@ class SceneResult:
         """True if the answer reached every asked pressure."""
         return self.answer is None or self.answer.summary.status == "reached"
 
+    @property
+    def reason(self) -> str:
+        """Why it did not."""
+        return "" if self.answer is None else self.answer.summary.reason
+
+    @property
+    def headlines(self) -> tuple[Row, ...]:
+        """Rows for a terminal: what was asked."""
+        return tuple(r for r in self.rows if r.quantity == "tip_mm")
+
 
 def run_plan(
     scene: Scene, scene_text: str, plan: Plan, folder: Path, comm: MPI.Comm, progress: Progress

@@ -1,0 +1,221 @@
+"""Simple bodies and users' meshes as boundary value problems, and what is read off their states."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from mpi4py import MPI
+
+from meshes.bodies import block, sphere_meridian, tube_meridian
+from meshes.cells import CellKind
+from meshes.revolve import revolve
+from meshes.solid import FACETS, FloatArray, SolidMesh
+from meshes.surface import surface_weights
+from meshes.sweep import FULL_CIRCLE, revolve_hexahedra
+from meshes.user_mesh import read_user_mesh
+from solvers.domain import create_domain
+from solvers.problem import SOFT, Problem, Surfaces
+from solvers.rigid import RigidBodies
+from solvers.state import State
+from studies.exact_plan import cells_of
+from studies.exact_scene import BlockGeometry, ExactScene, MeshGeometry, RingGeometry, SphereGeometry, TubeGeometry
+from studies.results import fineness
+from studies.scene import inverse_kappa, law_of
+
+Held = tuple[tuple[int, int], ...]
+# Cells of a bonded tube are half a wall long; a longer tube is uniform away from its ends.
+LONGEST_ROW = 40
+# Stiffness of the layer between a cap and the tube it glides on, MPa/mm: 1e-6 mm of slip under 10 kPa.
+CAP_MPA_PER_MM = 1e4
+
+
+@dataclass(frozen=True)
+class Body:
+    """A mesh and what holds and loads it.
+
+    Attributes
+    ----------
+    mesh
+        The mesh.
+    surfaces
+        Facet numbers with a role.
+    parts
+        The mesh is one of so many of the whole.
+    frame
+        Directions of the displacement's components as columns, (3, 3); None for those of the coordinates.
+    capped
+        True if a rigid cap rides on the facets named bond.
+    """
+
+    mesh: SolidMesh
+    surfaces: Surfaces
+    parts: int = 1
+    frame: FloatArray | None = None
+    capped: bool = False
+
+
+def body_of(scene: ExactScene, rung: str, level: str) -> Body:
+    """The mesh of a scene on a level, with its supports and its load."""
+    g, fine = scene.geometry, fineness(level)
+    if isinstance(g, TubeGeometry):
+        return _tube(g, rung, fine, cells_of(scene, rung))
+    if isinstance(g, SphereGeometry):
+        return _sphere(g, rung, fine, cells_of(scene, rung))
+    if isinstance(g, RingGeometry):
+        return _ring(g, fine, scene.load_kind == "dead")
+    if isinstance(g, BlockGeometry):
+        return _block(g, fine)
+    return _user(g)
+
+
+def problem_of(scene: ExactScene, body: Body, comm: MPI.Comm) -> Problem:
+    """The boundary value problem; every rank calls with the same body."""
+    mesh = body.mesh
+    domain = create_domain(
+        comm, dataclasses.replace(mesh, regions=np.full(len(mesh.cells), SOFT)) if comm.rank == 0 else None
+    )
+    cap = None
+    if body.capped:
+        top = float(mesh.points[:, -1].max())
+        inner = float(np.hypot(mesh.points[:, 0], mesh.points[:, 1] * (mesh.dimension == 3)).min())
+        # The cap keeps level and lets the tube's end slide on it, so that the tube stays one.
+        cap = RigidBodies(
+            normal_mpa_per_mm=CAP_MPA_PER_MM,
+            tangential_mpa_per_mm=0.0,
+            grade=np.ones(len(mesh.points)),
+            centres_mm=np.array([top]),
+            arm_mm=1.0,
+            axial_only=True,
+            plate=0,
+            plate_area_mm2=math.pi * inner**2,
+        )
+    law = law_of(scene.material)
+    return Problem(domain, law, inverse_kappa(scene.material), body.surfaces, bodies=cap, frame=body.frame)
+
+
+def measures(scene: ExactScene, mesh: SolidMesh) -> dict[str, Callable[[State], float]]:
+    """What is read off a state, by quantity, mm."""
+    if isinstance(scene.geometry, BlockGeometry):
+        return {"displacement_max_mm": _largest}
+    if isinstance(scene.geometry, MeshGeometry):
+        out: dict[str, Callable[[State], float]] = {"displacement_max_mm": _largest}
+        if (mesh.facet_tags == FACETS["tip"]).any():
+            weights = surface_weights(mesh, "tip")
+            out["tip_mm"] = lambda state: float(weights @ state.displacement_mm[:, -1] / weights.sum())
+        return out
+    weights = surface_weights(mesh, "cavity")
+    outwards = mesh.points.copy()
+    if scene.geometry.kind != "sphere":
+        outwards[:, -1] = 0.0
+    inside = weights != 0.0
+    outwards[inside] /= np.linalg.norm(outwards[inside], axis=1, keepdims=True)
+    outwards[~inside] = 0.0
+    share = weights / weights.sum()
+    return {"bore_mm": lambda state: float(share @ np.sum(state.displacement_mm * outwards, axis=1))}
+
+
+def _largest(state: State) -> float:
+    return float(np.linalg.norm(state.displacement_mm, axis=1).max())
+
+
+def enclosed_mm3(scene: ExactScene, load_volume_mm3: float) -> float:
+    """Volume inside a body from that on which its load does work; a dead load's is what it is."""
+    return -load_volume_mm3 if scene.load_kind == "external" else load_volume_mm3
+
+
+# --- bodies -------------------------------------------------------------------------------------------------
+
+
+def _tube(g: TubeGeometry, rung: str, fine: int, cells: str) -> Body:
+    refine = fine if rung == "axisymmetric" else 1
+    through = 2 * fine if rung == "axisymmetric" else max(2, fine // 4)
+    along = through // 2
+    if g.ends == "bonded":
+        wall = g.outer_radius_mm - g.inner_radius_mm
+        along = min(math.ceil(2.0 * g.length_mm / wall), LONGEST_ROW) * refine
+        along = max(2, along if rung == "axisymmetric" else along * fine // 12)
+    kind: CellKind = "quadrilaterals" if cells == "hexahedra" else "triangles"
+    meridian = tube_meridian(g.inner_radius_mm, g.outer_radius_mm, g.length_mm, along, through, kind)
+    return _swept(meridian, rung, fine, g.ends)
+
+
+def _sphere(g: SphereGeometry, rung: str, fine: int, cells: str) -> Body:
+    kind: CellKind = "quadrilaterals" if cells == "hexahedra" else "triangles"
+    along, through = (6 * fine, 2 * fine) if rung == "axisymmetric" else (max(6, fine // 2), max(2, fine // 4))
+    meridian = sphere_meridian(g.inner_radius_mm, g.outer_radius_mm, along, through, kind)
+    body = _swept(meridian, rung, fine, "symmetric")
+    return dataclasses.replace(body, parts=2 * body.parts)
+
+
+def _swept(meridian: SolidMesh, rung: str, fine: int, ends: str) -> Body:
+    """A meridian, the quarter of its body of revolution or all of it, its ends held."""
+    mesh, parts = meridian, 1
+    held: list[tuple[int, int]] = []
+    pinned: Held = ()
+    if rung == "axisymmetric":
+        held.append((FACETS["axis"], 0))
+    elif rung == "sector":
+        mesh, parts = revolve_hexahedra(meridian, fine // 4, FULL_CIRCLE / 4), 4
+        held += [(FACETS["start"], 1), (FACETS["end"], 0)]
+    else:
+        box = meridian.cell.name == "quadrilateral"
+        mesh = revolve_hexahedra(meridian, fine) if box else revolve(meridian, fine)
+        if ends != "bonded":
+            pinned = _three_pins(mesh)
+    axial, cavity = mesh.dimension - 1, FACETS["cavity"]
+    bottom, top = FACETS["bottom"], FACETS["top"]
+    if ends == "capped":
+        on_top = mesh.facet_tags == top
+        mesh = dataclasses.replace(mesh, facet_bodies=np.where(on_top, 0, -1))
+        surfaces = Surfaces(cavity=cavity, held=(*held, (bottom, axial)), pinned=pinned, bond=top)
+        return Body(mesh, surfaces, parts, capped=True)
+    if ends == "bonded":
+        held += [(top, i) for i in range(mesh.dimension)]
+        return Body(mesh, Surfaces(cavity=cavity, clamped=bottom, held=tuple(held)), parts)
+    held += [(bottom, axial), (top, axial)]
+    return Body(mesh, Surfaces(cavity=cavity, held=tuple(held), pinned=pinned), parts)
+
+
+def _three_pins(mesh: SolidMesh) -> Held:
+    """Pins that hold drifting and turning of a body of revolution, where its own motion is nought by symmetry."""
+    low = mesh.points[:, 2] < mesh.points[:, 2].min() + 1e-9
+    radius = np.hypot(mesh.points[:, 0], mesh.points[:, 1])
+    rim = np.flatnonzero(low & (radius > radius[low].max() - 1e-9))
+    x, y = mesh.points[rim, 0], mesh.points[rim, 1]
+    return ((int(rim[x.argmax()]), 1), (int(rim[x.argmin()]), 1), (int(rim[y.argmax()]), 0))
+
+
+def _ring(g: RingGeometry, fine: int, dead: bool) -> Body:
+    wall = g.outer_radius_mm - g.inner_radius_mm
+    meridian = tube_meridian(g.inner_radius_mm, g.outer_radius_mm, 0.5 * wall, 1, 2 * fine, "quadrilaterals")
+    angle = math.pi / g.waves
+    mesh = revolve_hexahedra(meridian, 6 * fine, angle)
+    # Components along both planes of symmetry: what crosses the one at angle 0 is the second, at the end the first.
+    frame = np.eye(3)
+    frame[:2, 1] = math.cos(angle), math.sin(angle)
+    held = ((FACETS["start"], 1), (FACETS["end"], 0), (FACETS["bottom"], 2), (FACETS["top"], 2))
+    outer = FACETS["outer"]
+    surfaces = Surfaces(dead_pressure=outer, held=held) if dead else Surfaces(external=outer, held=held)
+    return Body(mesh, surfaces, 2 * g.waves, frame if g.waves != 2 else None)
+
+
+def _block(g: BlockGeometry, fine: int) -> Body:
+    mesh = block((g.edge_mm,) * 3, (fine,) * 3)
+    corner = mesh.tip_centre_node
+    return Body(mesh, Surfaces(dead=FACETS["outer"], pinned=tuple((corner, i) for i in range(3))))
+
+
+def _user(g: MeshGeometry) -> Body:
+    mesh = read_user_mesh(Path(g.file), g.scale)
+    axial = mesh.dimension - 1
+    planes = {"axis": 0, "bottom": axial, "top": axial, "symmetry_z": axial}
+    if mesh.dimension == 3:
+        planes = {"symmetry_x": 0, "symmetry_y": 1, "bottom": 2, "top": 2, "symmetry_z": 2}
+    held = tuple((FACETS[name], i) for name, i in planes.items() if (mesh.facet_tags == FACETS[name]).any())
+    clamped = FACETS["clamped"] if (mesh.facet_tags == FACETS["clamped"]).any() else None
+    return Body(mesh, Surfaces(cavity=FACETS["cavity"], clamped=clamped, held=held))

@@ -1,0 +1,45 @@
+"""One door for scenes of all kinds: bellows, simple bodies with exact answers, users' meshes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mpi4py import MPI
+
+from studies.exact_plan import ExactPlan, describe_exact, make_exact_plan
+from studies.exact_scene import AnyScene, ExactScene
+from studies.exact_session import ExactResult, run_exact_plan
+from studies.plan import Plan, Rung, describe, make_plan
+from studies.progress import Progress
+from studies.session import SceneResult, run_plan
+
+AnyPlan = Plan | ExactPlan
+
+
+def plan_for(scene: AnyScene, rung: Rung | None = None) -> AnyPlan:
+    """The plan of a scene; see `studies.plan.make_plan`.
+
+    Raises
+    ------
+    SceneError
+        If the rung cannot be had for the scene.
+    """
+    return make_exact_plan(scene, rung) if isinstance(scene, ExactScene) else make_plan(scene, rung)
+
+
+def description(scene: AnyScene, rung: Rung | None = None) -> str:
+    """The plan of a scene as text for a terminal."""
+    if isinstance(scene, ExactScene):
+        return describe_exact(scene, make_exact_plan(scene, rung))
+    return describe(scene, make_plan(scene, rung))
+
+
+def run(
+    scene: AnyScene, text: str, plan: AnyPlan, folder: Path, comm: MPI.Comm, progress: Progress
+) -> SceneResult | ExactResult:
+    """Run a scene's plan; see `studies.session.run_plan`."""
+    if isinstance(scene, ExactScene):
+        assert isinstance(plan, ExactPlan)
+        return run_exact_plan(scene, text, plan, folder, comm, progress)
+    assert isinstance(plan, Plan)
+    return run_plan(scene, text, plan, folder, comm, progress)

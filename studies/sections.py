@@ -1,0 +1,136 @@
+"""What all scene files have in common: strict sections, numbers with units, faults told as lines."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, TypeVar, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+Length = Annotated[float, Field(gt=0.0, le=1000.0, allow_inf_nan=False)]
+Stiffness = Annotated[float, Field(gt=0.0, le=1e4, allow_inf_nan=False)]
+Modulus = Annotated[float, Field(gt=0.0, le=1e5, allow_inf_nan=False)]
+
+
+class SceneError(ValueError):
+    """A scene that cannot be run; one line per fault."""
+
+
+class Section(BaseModel):
+    """A table of a scene file: unknown keys are faults."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=False)
+
+
+Model = TypeVar("Model", bound=Section)
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """The contents of a scene file.
+
+    Raises
+    ------
+    SceneError
+        If it cannot be read or is not TOML.
+    """
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be read ({error.strerror}); give the path of a scene file") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise SceneError(f"{path}: not a TOML file: {error}") from None
+
+
+def validated(model: type[Model], data: dict[str, Any], path: Path, faults: Callable[[Model], list[str]]) -> Model:
+    """A scene from the contents of its file.
+
+    Parameters
+    ----------
+    model
+        The scene's class.
+    data, path
+        Contents and where they are from, for messages.
+    faults
+        What the types cannot see, a line per fault.
+
+    Raises
+    ------
+    SceneError
+        With one line per fault.
+    """
+    try:
+        scene = model.model_validate(data)
+    except ValidationError as error:
+        raise SceneError("\n".join(f"{path}: {line}" for line in explain(error, model))) from None
+    found = faults(scene)
+    if found:
+        raise SceneError("\n".join(f"{path}: {line}" for line in found))
+    return scene
+
+
+def explain(error: ValidationError, model: type[Section]) -> list[str]:
+    """Pydantic's findings about a scene as lines with key, value and what is allowed."""
+    lines = []
+    for fault in error.errors():
+        where, section = _place(model, fault["loc"])
+        key, value = ".".join(where), fault.get("input")
+        kind, context = fault["type"], fault.get("ctx", {})
+        if kind == "extra_forbidden":
+            allowed = list(section.model_fields)
+            near = difflib.get_close_matches(where[-1], allowed, n=1, cutoff=0.5)
+            hint = f"did you mean {near[0]}? " if near else ""
+            lines.append(f"{key} = {value!r}: unknown key; {hint}allowed: {', '.join(allowed)}")
+        elif kind == "missing":
+            lines.append(f"{key}: missing, and has no default")
+        elif kind in ("union_tag_not_found", "union_tag_invalid"):
+            tag = str(context.get("discriminator", "")).strip("'")
+            allowed_tags = ", ".join(repr(name) for name in _members(_annotation(section, where[-1])))
+            if kind == "union_tag_not_found":
+                lines.append(f"{key}.{tag}: missing; allowed: {allowed_tags}")
+            else:
+                shown = value.get(tag) if isinstance(value, dict) else value
+                lines.append(f"{key}.{tag} = {shown!r}: allowed: {allowed_tags}")
+        elif kind == "literal_error":
+            lines.append(f"{key} = {value!r}: allowed: {context.get('expected')}")
+        else:
+            text = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+            unit = next((u for u in ("mm", "kpa") if key.endswith("_" + u)), "").replace("kpa", "kPa")
+            text = f"{text} {unit}".rstrip() if kind in ("greater_than", "less_than_equal") else text
+            lines.append(text if kind == "value_error" and "=" in text else f"{key} = {value!r}: {text}")
+    return lines
+
+
+def _place(model: type[Section], location: tuple[Any, ...]) -> tuple[list[str], type[Section]]:
+    """Keys of a fault without the tags pydantic puts between them, and the section the last of them is in."""
+    keys: list[str] = []
+    section: type[Section] = model
+    inner: Any = None
+    for part in location:
+        members = _members(inner) if inner is not None else {}
+        if str(part) in members:
+            inner = members[str(part)]
+            continue
+        if isinstance(inner, type) and issubclass(inner, Section):
+            section = inner
+        keys.append(str(part))
+        inner = _annotation(section, str(part))
+    return keys, section
+
+
+def _annotation(section: type[Section], key: str) -> Any:
+    found = section.model_fields.get(key)
+    return None if found is None else found.annotation
+
+
+def _members(annotation: Any) -> dict[str, type[Section]]:
+    """Sections that a key may hold, by their tags: the values of their ``kind`` or ``law``."""
+    out: dict[str, type[Section]] = {}
+    for member in get_args(annotation):
+        if isinstance(member, type) and issubclass(member, Section):
+            for name in ("kind", "law"):
+                if name in member.model_fields:
+                    out |= {str(tag): member for tag in get_args(member.model_fields[name].annotation)}
+    return out
