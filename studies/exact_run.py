@@ -48,6 +48,14 @@ class ExactRun:
     measured: dict[float, dict[str, float]]
 
 
+class _Found(Exception):
+    """The loss of stability that a path was followed for has been found; the path ends here."""
+
+    def __init__(self, memory: PathMemory) -> None:
+        super().__init__()
+        self.memory = memory
+
+
 def exact_hash(scene: ExactScene, rung: str, level: str) -> str:
     """Hash of everything that decides a run's numbers."""
     physics = scene.model_dump(mode="json", exclude={"name", "ask"})
@@ -150,29 +158,32 @@ def _solve(
     memory = log.memory if isinstance(log.memory, PathMemory) else None
     if memory is None and scene.geometry.kind == "block":
         memory = _small_tension(problem, factor, loads[-1], settings)
-    path = follow_path(
-        problem,
-        factor,
-        [*loads, BEYOND * loads[-1]] if looking else loads,
-        settings,
-        progress.iteration,
-        on_state=keep,
-        on_step=lambda memory: log.step(memory, factor),
-        resume=memory,
-    )
-    if looking:
-        path = _looked(path, sum(row.status == "asked" for row in log.rows) == len(loads))
+
+    def after(memory: PathMemory) -> None:
+        log.step(memory, factor)
+        if looking and memory.crossing is not None and memory.reached == len(loads):
+            raise _Found(memory)
+
+    targets = [*loads, BEYOND * loads[-1]] if looking else loads
+    try:
+        path = follow_path(
+            problem, factor, targets, settings, progress.iteration, on_state=keep, on_step=after, resume=memory
+        )
+    except _Found as found:
+        path = EquilibriumPath((), True, "", found.memory.rejected, Cause.REACHED, found.memory.crossing)
+    if looking and path.cause is Cause.TOO_LARGE and sum(row.status == "asked" for row in log.rows) == len(loads):
+        path = dataclasses.replace(path, reached=True, reason="", cause=Cause.REACHED)
     run = finish(log, problem, factor, path, body.mesh, (_silicone_g(body), 0.0))
-    found: ExactRun | None = None
+    answer: ExactRun | None = None
     if comm.rank == 0:
-        found = ExactRun(run, _measured(scene, body.mesh, folder, run))
-        entries = [{"pressure_kpa": p, **values} for p, values in found.measured.items()]
+        answer = ExactRun(run, _measured(scene, body.mesh, folder, run))
+        entries = [{"pressure_kpa": p, **values} for p, values in answer.measured.items()]
         write_text_atomically(folder / MEASURED_FILE, json.dumps(entries, indent=1) + "\n")
         if scene.ask.fields and plan.rung != "axisymmetric":
             _write_fields(scene, plan.rung, level, folder, run)
-    found = comm.bcast(found)
-    assert found is not None
-    return found
+    answer = comm.bcast(answer)
+    assert answer is not None
+    return answer
 
 
 def _row(scene: ExactScene, body: Body, item: PathState) -> PathRow:
@@ -203,14 +214,6 @@ def _small_tension(problem: Problem, factor: Factor, highest_mpa: float, setting
         problem.get_state(), problem.cavity_volume(), report.compliance_mm3_per_mpa, report.excess_negatives
     )
     return PathMemory((point,), "pressure", step, 0, 0, 0.0, None)
-
-
-def _looked(path: EquilibriumPath, all_asked: bool) -> EquilibriumPath:
-    """A path that was followed to look for a limit point: it has ended as it should if it went all the way."""
-    went_all_the_way = path.cause in (Cause.TOO_LARGE, Cause.LIMIT_POINT) or path.crossing is not None
-    if not (all_asked and went_all_the_way):
-        return path
-    return dataclasses.replace(path, reached=True, reason="", cause=Cause.REACHED)
 
 
 def _measured(scene: ExactScene, mesh: SolidMesh, folder: Path, run: Run) -> dict[float, dict[str, float]]:
