@@ -12,7 +12,7 @@ import pytest
 from numpy.polynomial import chebyshev, legendre
 from scipy.optimize import brentq, minimize_scalar
 
-from analytical.materials import NeoHooke
+from analytical.materials import NeoHooke, Yeoh
 from meshes.revolve import revolve
 from meshes.solid import TETRAHEDRON_EDGES, SolidMesh
 from solvers.errors import Cause
@@ -39,15 +39,24 @@ LIMIT = minimize_scalar(lambda l: -sphere_pressure(l), bounds=(1.1, 3.0), method
 
 
 @pytest.fixture(scope="module")
-def sphere(strip, sides, make_problem) -> SimpleNamespace:
+def make_sphere(strip, sides, make_problem):
     """Meridian of the upper half: a strip bent round, its bottom the equator and its top the axis."""
     flat = strip(INNER, OUTER, 1.0, 2, 8)
     radius, angle = flat.points[:, 0], 0.5 * np.pi * flat.points[:, 1]
     points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
     points[np.abs(points) < 1e-12] = 0.0
     mesh = dataclasses.replace(flat, points=points)
-    problem = make_problem(mesh, NeoHooke(MU), cavity=sides.cavity, held=((sides.bottom, 1), (sides.top, 0)))
-    return SimpleNamespace(problem=problem, factor=Factor(problem))
+
+    def make(law) -> SimpleNamespace:
+        problem = make_problem(mesh, law, cavity=sides.cavity, held=((sides.bottom, 1), (sides.top, 0)))
+        return SimpleNamespace(problem=problem, factor=Factor(problem))
+
+    return make
+
+
+@pytest.fixture(scope="module")
+def sphere(make_sphere) -> SimpleNamespace:
+    return make_sphere(NeoHooke(MU))
 
 
 @pytest.mark.parametrize("control", ["auto", "volume"])
@@ -94,6 +103,22 @@ def test_auto_leaves_pressure_control_before_the_limit_point_and_passes_it(spher
     assert path.crossing is not None
     assert path.crossing.pressure_mpa == pytest.approx(-LIMIT.fun, rel=1e-4)  # as above
     assert path.states[-1].newton.excess_negatives == 1
+
+
+def test_snap_through_is_never_jumped_over(make_sphere) -> None:
+    # stiffens after its limit point: 36 kPa has a state on the far branch only, at 14 times the volume
+    snap = make_sphere(Yeoh((0.5 * MU, 0.0, 2e-4)))
+    path = follow_path(snap.problem, snap.factor, [0.020, 0.036], PathSettings(control="pressure"))
+    assert path.cause is Cause.LIMIT_POINT
+    assert max(s.volume_mm3 for s in path.states) < 5.0 * snap.problem.volume_unit_mm3
+    named = float(path.reason.split("limit point near ")[1].split(" kPa")[0])
+    for start in ("pressure", "volume"):
+        path = follow_path(snap.problem, snap.factor, [0.020, 0.036], PathSettings(start_control=start))
+        assert path.reached
+        assert path.crossing is not None and path.crossing.kind is Cause.LIMIT_POINT
+        assert named == pytest.approx(1e3 * path.crossing.pressure_mpa, rel=5e-3)  # extrapolated, as above
+        counts = [s.newton.excess_negatives for s in path.states]
+        assert 1 in counts and counts[0] == counts[-1] == 0
 
 
 # ---- buckling of a ring --------------------------------------------------------------------------------
