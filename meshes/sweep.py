@@ -73,97 +73,159 @@ def revolve_hexahedra(
             f"{math.ceil(angle_rad / (0.5 * math.pi) - 1e-9)}, a quarter turn each"
         )
     strip = _strip_at_axis(meridian, core_columns)
-    steps = 2 * around if full else 2 * around + 1  # half steps that differ
-    turn = angle_rad / (2 * around)
-
-    def swept(m: IntArray, h: IntArray) -> IntArray:
-        """Number of meridian node m at half step h before unused numbers are dropped."""
-        return m * steps + h % steps
-
-    outside = np.ones(len(meridian.cells), dtype=bool)
-    outside[strip.cells.ravel()] = False
-    layer = 2 * np.arange(around)
-    sweep_cells = meridian.cells[outside]
-    if (meridian.points[sweep_cells, 0] <= 0.0).any():
-        raise MeshError("a cell of the meridian touches the axis without being in the columns that end there")
-    cells = [swept(sweep_cells[:, None, _FACE_NODE], layer[None, :, None] + _HALF_STEP).reshape(-1, 27)]
-    regions = [np.repeat(meridian.regions[outside], around)]
-
-    facets, tags, bodies = [], [], []
-    of_core = np.isin(meridian.facets, strip.nodes.ravel()).all(axis=1)
-    keep = ~of_core & (meridian.facet_tags != FACETS["axis"])
-    ends = np.tile(meridian.facets[keep], 2)  # corners (m0, m1) on both sides
-    facets.append(swept(ends[:, None, :], layer[None, :, None] + np.array([0, 0, 2, 2])).reshape(-1, 4))
-    tags.append(np.repeat(meridian.facet_tags[keep], around))
-    bodies.append(np.repeat(meridian.facet_bodies[keep], around))
-    if not full:
-        for name, h in (("start", 0), ("end", 2 * around)):
-            facets.append(swept(sweep_cells[:, :4], np.array(h)))
-            tags.append(np.full(len(sweep_cells), FACETS[name]))
-            bodies.append(np.full(len(sweep_cells), -1))
-
-    origin = np.empty((0, 3), dtype=np.int64)
-    weight, core_angle = np.empty((0, 3)), np.empty(0)
-    first = len(meridian.points) * steps
+    lattice = _Lattice(len(meridian.points), 2 * around if full else 2 * around + 1, angle_rad / (2 * around))
+    part = _swept(meridian, strip, lattice, around, full)
+    nodes = _Nodes(np.empty((0, 3), dtype=np.int64), np.empty((0, 3)), np.empty(0))
+    tip = lattice.number(np.array(meridian.tip_centre_node), np.array(0))
     if len(strip.cells):
         disc = _disc(core_columns, around, angle_rad, full)
-        layers = strip.nodes.shape[0]
-        # Number of disc node d on layer line a: new, but for those on the rim, which the sweep has already.
-        number = first + np.arange(len(disc.points))[:, None] * layers + np.arange(layers)
-        number[disc.rim] = swept(strip.nodes[:, -1][None, :], np.arange(len(disc.rim))[:, None])
-        s = np.hypot(*disc.points.T)
-        column = np.minimum(s.astype(np.int64), core_columns - 1)
-        three = quadratic_weights(s - column)
-        stations = 2 * column[:, None] + np.arange(3)
-        origin = strip.nodes.T[stations].transpose(0, 2, 1).reshape(-1, 3)
-        weight = np.repeat(three, layers, axis=0)
-        core_angle = np.repeat(np.arctan2(disc.points[:, 1], disc.points[:, 0]) % FULL_CIRCLE, layers)
-        for k, row in enumerate(strip.cells):
-            lines = strip.lines[k]
-            cells.append(number[disc.cells[:, _FACE_NODE], lines[_HALF_STEP]])
-            regions.append(np.full(len(disc.cells), meridian.regions[row[0]]))
-            for name, edges in (("start", disc.start), ("end", disc.end)):
-                corners = edges[:, [0, 1, 0, 1]]
-                facets.append(number[corners, lines[[0, 0, 2, 2]]])
-                tags.append(np.full(len(edges), FACETS[name]))
-        for line in range(layers):
-            own = np.isin(meridian.facets, strip.nodes[line]).all(axis=1)
-            if own.any():
-                if len(np.unique(meridian.facet_tags[own])) != 1 or (meridian.facet_bodies[own] >= 0).any():
-                    raise MeshError("the columns of cells at the axis must lie within one named surface")
-                facets.append(number[disc.cells[:, :4], line])
-                tags.append(np.full(len(disc.cells), meridian.facet_tags[own][0]))
-        bodies.append(np.full(sum(map(len, tags)) - sum(map(len, bodies)), -1))
+        core, nodes = _core(meridian, strip, disc, lattice, core_columns)
+        part = part.joined(core)
+        on_axis = np.flatnonzero(strip.nodes[:, 0] == meridian.tip_centre_node)
+        if len(on_axis):
+            tip = lattice.first_of_core + disc.centre * len(strip.nodes) + on_axis[0]
 
-    lattice_cells = np.vstack(cells)
-    used, back = np.unique(lattice_cells, return_inverse=True)
-    is_core = used >= first
-    m_used, h_used = used // steps, used % steps
-    nodes, weights = np.empty((len(used), 3), dtype=np.int64), np.zeros((len(used), 3))
-    nodes[~is_core], weights[~is_core, 0] = m_used[~is_core, None], 1.0
-    nodes[is_core], weights[is_core] = origin[used[is_core] - first], weight[used[is_core] - first]
-    angle = h_used * turn
-    angle[is_core] = core_angle[used[is_core] - first]
-    r, z = np.einsum("nki,nk->in", meridian.points[nodes], weights)
-    points = np.column_stack([r * np.cos(angle), r * np.sin(angle), z])
-    numbers = back.reshape(lattice_cells.shape).astype(np.int64)
+    used, back = np.unique(part.cells, return_inverse=True)
+    numbers = back.reshape(part.cells.shape).astype(np.int64)
+    origin = lattice.origin(used, nodes)
+    r, z = np.einsum("nki,nk->in", meridian.points[origin.meridian], origin.weight)
+    points = np.column_stack([r * np.cos(origin.angle), r * np.sin(origin.angle), z])
     _refuse_folded(points, numbers, around)
-    centre = meridian.tip_centre_node
-    tip = centre * steps
-    if len(strip.cells) and centre in strip.nodes[:, 0]:
-        tip = first + disc.centre * layers + int(np.flatnonzero(strip.nodes[:, 0] == centre)[0])
     return SolidMesh(
         points=points,
         cells=numbers,
-        regions=np.concatenate(regions),
-        facets=np.sort(np.searchsorted(used, np.vstack(facets)), axis=1),
-        facet_tags=np.concatenate(tags),
-        facet_bodies=np.concatenate(bodies),
+        regions=part.regions,
+        facets=np.sort(np.searchsorted(used, part.facets), axis=1),
+        facet_tags=part.tags,
+        facet_bodies=part.bodies,
         tip_centre_node=int(np.searchsorted(used, tip)),
-        meridian_node=nodes,
-        angle_rad=angle,
-        meridian_weight=weights,
+        meridian_node=origin.meridian,
+        angle_rad=origin.angle,
+        meridian_weight=origin.weight,
     )
+
+
+@dataclass(frozen=True)
+class _Nodes:
+    """Where nodes come from: meridian nodes and their weights, both (n, 3), and angles (n,)."""
+
+    meridian: IntArray
+    weight: FloatArray
+    angle: FloatArray
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Cells with regions, and boundary facets with tags and bodies; nodes in lattice numbers."""
+
+    cells: IntArray
+    regions: IntArray
+    facets: IntArray
+    tags: IntArray
+    bodies: IntArray
+
+    def joined(self, other: _Part) -> _Part:
+        """Both together."""
+        return _Part(
+            np.vstack([self.cells, other.cells]),
+            np.concatenate([self.regions, other.regions]),
+            np.vstack([self.facets, other.facets]),
+            np.concatenate([self.tags, other.tags]),
+            np.concatenate([self.bodies, other.bodies]),
+        )
+
+
+@dataclass(frozen=True)
+class _Lattice:
+    """Numbers of nodes before unused ones are dropped: meridian nodes at half steps, then those of the core.
+
+    Attributes
+    ----------
+    meridian_nodes
+        Their number.
+    steps
+        Half steps that differ.
+    turn_rad
+        Angle of a half step.
+    """
+
+    meridian_nodes: int
+    steps: int
+    turn_rad: float
+
+    @property
+    def first_of_core(self) -> int:
+        """Number of the first node of the core."""
+        return self.meridian_nodes * self.steps
+
+    def number(self, m: IntArray, h: IntArray) -> IntArray:
+        """Number of meridian node m at half step h."""
+        return m * self.steps + h % self.steps
+
+    def origin(self, used: IntArray, core: _Nodes) -> _Nodes:
+        """Where the nodes of some numbers come from."""
+        inside = used >= self.first_of_core
+        mine = used[inside] - self.first_of_core
+        nodes = np.repeat(used[:, None] // self.steps, 3, axis=1)
+        weight = np.tile([1.0, 0.0, 0.0], (len(used), 1))
+        angle = (used % self.steps) * self.turn_rad
+        nodes[inside], weight[inside], angle[inside] = core.meridian[mine], core.weight[mine], core.angle[mine]
+        return _Nodes(nodes, weight, angle)
+
+
+def _swept(meridian: SolidMesh, strip: _Strip, lattice: _Lattice, around: int, full: bool) -> _Part:
+    """Everything but the core."""
+    outside = np.ones(len(meridian.cells), dtype=bool)
+    outside[strip.cells.ravel()] = False
+    layer = 2 * np.arange(around)
+    quads = meridian.cells[outside]
+    if (meridian.points[quads, 0] <= 0.0).any():
+        raise MeshError("a cell of the meridian touches the axis without being in the columns that end there")
+    cells = lattice.number(quads[:, None, _FACE_NODE], layer[None, :, None] + _HALF_STEP).reshape(-1, 27)
+    of_core = np.isin(meridian.facets, strip.nodes.ravel()).all(axis=1)
+    keep = ~of_core & (meridian.facet_tags != FACETS["axis"])
+    ends = np.tile(meridian.facets[keep], 2)  # corners (m0, m1) on both sides of a layer
+    facets = [lattice.number(ends[:, None, :], layer[None, :, None] + np.array([0, 0, 2, 2])).reshape(-1, 4)]
+    tags = [np.repeat(meridian.facet_tags[keep], around)]
+    if not full:
+        for name, h in (("start", 0), ("end", 2 * around)):
+            facets.append(lattice.number(quads[:, :4], np.array(h)))
+            tags.append(np.full(len(quads), FACETS[name]))
+    bodies = np.repeat(meridian.facet_bodies[keep], around)
+    bodies = np.concatenate([bodies, np.full(sum(map(len, tags)) - len(bodies), -1)])
+    return _Part(cells, np.repeat(meridian.regions[outside], around), np.vstack(facets), np.concatenate(tags), bodies)
+
+
+def _core(meridian: SolidMesh, strip: _Strip, disc: _Disc, lattice: _Lattice, columns: int) -> tuple[_Part, _Nodes]:
+    """The core, and where its nodes come from in the order of their numbers."""
+    lines = len(strip.nodes)
+    # Number of disc node d on line k: new, but for those on the rim, which the sweep has already.
+    number = lattice.first_of_core + np.arange(len(disc.points))[:, None] * lines + np.arange(lines)
+    number[disc.rim] = lattice.number(strip.nodes[:, -1][None, :], np.arange(len(disc.rim))[:, None])
+    s = np.hypot(*disc.points.T)
+    column = np.minimum(s.astype(np.int64), columns - 1)
+    stations = 2 * column[:, None] + np.arange(3)
+    nodes = _Nodes(
+        strip.nodes.T[stations].transpose(0, 2, 1).reshape(-1, 3),
+        np.repeat(quadratic_weights(s - column), lines, axis=0),
+        np.repeat(np.arctan2(disc.points[:, 1], disc.points[:, 0]) % FULL_CIRCLE, lines),
+    )
+    cells, facets, tags = [], [], []
+    for line in strip.lines:
+        cells.append(number[disc.cells[:, _FACE_NODE], line[_HALF_STEP]])
+        for name, edges in (("start", disc.start), ("end", disc.end)):
+            facets.append(number[edges[:, [0, 1, 0, 1]], line[[0, 0, 2, 2]]])
+            tags.append(np.full(len(edges), FACETS[name]))
+    for k, line_nodes in enumerate(strip.nodes):
+        own = np.isin(meridian.facets, line_nodes).all(axis=1)
+        if own.any():
+            if len(np.unique(meridian.facet_tags[own])) != 1 or (meridian.facet_bodies[own] >= 0).any():
+                raise MeshError("the columns of cells at the axis must lie within one named surface")
+            facets.append(number[disc.cells[:, :4], k])
+            tags.append(np.full(len(disc.cells), meridian.facet_tags[own][0]))
+    regions = np.repeat(meridian.regions[strip.cells[:, 0]], len(disc.cells))
+    every = np.concatenate(tags)
+    return _Part(np.vstack(cells), regions, np.vstack(facets), every, np.full(len(every), -1)), nodes
 
 
 def _refuse_folded(points: FloatArray, cells: IntArray, around: int) -> None:

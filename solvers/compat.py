@@ -128,9 +128,17 @@ def assemble_into(matrix: PETSc.Mat, form: Any, bcs: list[Any], space: Any) -> N
     cpp.fem.petsc.insert_diagonal(matrix, space._cpp_object, bcs, 1.0)
 
 
-def create_matrix(form: Any) -> PETSc.Mat:
-    """An empty PETSc matrix with the pattern of a form."""
-    return cpp.fem.petsc.create_matrix(form)
+def cell_pattern(space: Any) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
+    """Pattern of a matrix that couples all dofs of each cell: row pointers of the owned rows and global columns."""
+    maps = [space.dofmap._cpp_object] * 2
+    pattern = cpp.fem.create_sparsity_pattern(space.mesh.topology, maps, {cpp.fem.IntegralType.cell})
+    pattern.assemble()
+    graph = pattern.graph
+    columns = pattern.column_index_map()
+    every = np.arange(columns.size_local + columns.num_ghosts, dtype=np.int32)
+    rows = space.dofmap.index_map.size_local
+    indptr = np.asarray(graph.offsets[: rows + 1])
+    return indptr, columns.local_to_global(every)[np.asarray(graph.array[: indptr[-1]])]
 
 
 def assemble_array(form: Any, index_map: Any) -> la.VectorMetaClass:

@@ -180,7 +180,6 @@ class _Follower:
             walk.history.pop()
         walk.history.append(new)
         del walk.history[:-3]
-        walk.stiffest = max(walk.stiffest, new.slope_mpa_per_mm3)
         walk.reached += item.asked
 
     def adapt(self, walk: _Walk, aim: _Aim, iterations: int) -> None:
@@ -191,12 +190,14 @@ class _Follower:
             walk.step *= settings.shrink
         elif iterations <= settings.few_iterations and (not aim.asked or aim.size >= 0.99 * walk.step):
             walk.step = min(walk.step * settings.growth, self.largest[walk.control])
+        if not self._volume_responds(walk):
+            return  # dP/dV says nothing
+        walk.stiffest = max(walk.stiffest, walk.here.slope_mpa_per_mm3)
         if settings.control != "auto":
             return
         if walk.control == "pressure":
             soft = walk.here.slope_mpa_per_mm3 < settings.soft * walk.stiffest
-            home = settings.start_control == "volume" and self._volume_responds(walk)
-            if soft or walk.here.unstable or home:
+            if soft or walk.here.unstable or settings.start_control == "volume":
                 self._switch(walk, "volume")
         elif settings.start_control == "pressure" and self._pressure_is_safe(walk, 2.0 * settings.soft):
             self._switch(walk, "pressure")
@@ -209,7 +210,7 @@ class _Follower:
 
     def _volume_responds(self, walk: _Walk) -> bool:
         """True if the last step changed the volume by more than what control by volume could not resolve."""
-        change = walk.here.volume_mm3 - walk.history[-2].volume_mm3
+        change = walk.here.volume_mm3 - walk.history[-2].volume_mm3 if len(walk.history) > 1 else 0.0
         return change > 1e-6 * self.unit["volume"]
 
     def _switch(self, walk: _Walk, control: Control) -> None:

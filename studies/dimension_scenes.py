@@ -21,7 +21,7 @@ _COMMENT = 28
 _CHOSEN = """\
 collar_mm = 3.0
 fillet_mm = 0.5
-tip = "cap"
+tip = "cap"                 # cap | rigid (a plate)
 cap_mm = 5.0
 
 [rings]
@@ -37,9 +37,12 @@ edge_radius_mm = 0.5
 """
 
 _ASKED = """\
+[mesh]
+element = "auto"            # hex | tet (as in the paper) | auto: hex unless the rings are meshed
+
 [load]
 pressure_kpa = [5.0, 10.0, 15.0, 20.0]
-control = "auto"
+control = "auto"            # auto | pressure | volume
 
 [ask]
 quantities = ["tip_mm"]

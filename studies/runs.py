@@ -34,6 +34,7 @@ from solvers.records import Path as EquilibriumPath
 from solvers.state import State
 from studies import provenance
 from studies.build import SECTORS, Tip, masses_g, revolve_state, scene_body, scene_meridian, scene_problem
+from studies.gaps import GapMeter, Touch
 from studies.progress import Progress
 from studies.results import (
     FIELDS_FOLDER,
@@ -130,8 +131,15 @@ class Log:
         A converged state as a row of path.csv.
     """
 
-    def __init__(self, job: Job, comm: MPI.Comm, mesh: SolidMesh, row_of: Callable[[PathState], PathRow]) -> None:
-        self.job, self.comm, self.mesh, self.row_of = job, comm, mesh, row_of
+    def __init__(
+        self,
+        job: Job,
+        comm: MPI.Comm,
+        mesh: SolidMesh,
+        row_of: Callable[[PathState], PathRow],
+        gaps: GapMeter | None = None,
+    ) -> None:
+        self.job, self.comm, self.mesh, self.row_of, self._gaps = job, comm, mesh, row_of, gaps
         self.rows: list[PathRow] = []
         self.notes = list(job.notes)
         self.factorisations, self.seconds = 0, 0.0
@@ -161,9 +169,22 @@ class Log:
     def state(self, item: PathState) -> PathRow:
         """Take in a converged state."""
         row = self.row_of(item)
+        if self._gaps is not None:
+            row = self._with_gap(row, self._gaps.measure(item.state))
         self.rows.append(dataclasses.replace(row, wall_s=self.seconds + row.wall_s))
         self.job.progress.state(item.state.load_mpa)
         return self.rows[-1]
+
+    def _with_gap(self, row: PathRow, touch: Touch) -> PathRow:
+        """The row with its gap; the first touch is noted."""
+        if touch.gap.gap_mm <= 0.0 and not any(r.min_gap_mm <= 0.0 for r in self.rows):
+            last = self.rows[-1].pressure_kpa if self.rows else 0.0
+            r, z = touch.gap.at_mm
+            self.notes.append(
+                f"contact not modelled beyond {last:.4g} kPa: {touch.between} touch first between {last:.4g} and "
+                f"{row.pressure_kpa:.4g} kPa, at r = {r:.2f}, z = {z:.2f} mm"
+            )
+        return dataclasses.replace(row, min_gap_mm=touch.gap.gap_mm)
 
     def step(self, memory: PathMemory | GuessMemory, factor: Factor) -> None:
         """Write the critical mode if it has just been found, and the checkpoint."""
@@ -331,7 +352,13 @@ def _solve_axisymmetric(scene: Scene, refinement: int, folder: Path, progress: P
     problem.timer.seconds["mesh"] = meshed
     factor = Factor(problem)
     tip = Tip(scene, mesh)
-    log = Log(job, problem.comm, mesh, lambda item: path_row(item, tip.mean_mm(item.state), tip.centre_mm(item.state)))
+    log = Log(
+        job,
+        problem.comm,
+        mesh,
+        lambda item: path_row(item, tip.mean_mm(item.state), tip.centre_mm(item.state)),
+        GapMeter(scene, mesh),
+    )
 
     def keep(item: PathState) -> None:
         row = log.state(item)
@@ -402,7 +429,13 @@ def run_body(
     problem.timer.seconds["mesh"] = meshed
     factor = Factor(problem)
     tip, parts = Tip(scene, body), SECTORS[rung]
-    log = Log(job, comm, body, lambda item: path_row(item, tip.mean_mm(item.state), tip.centre_mm(item.state), parts))
+    log = Log(
+        job,
+        comm,
+        body,
+        lambda item: path_row(item, tip.mean_mm(item.state), tip.centre_mm(item.state), parts),
+        GapMeter(scene, meridian, body),
+    )
 
     def keep(item: PathState) -> None:
         row = log.state(item)

@@ -1,0 +1,124 @@
+"""Checkpoints: a path goes on after its last state with the same steps, on any number of ranks."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solvers.checkpoint import CheckpointError, read_checkpoint, write_checkpoint
+from solvers.errors import Cause
+from solvers.path import PathSettings, follow_path
+from solvers.records import Crossing, PathMemory
+
+SCRIPT = Path(__file__).with_name("restart_script.py")
+ASKED = [0.005, 0.010]
+
+
+def run(root: Path, ranks: int, mode: str, file: Path) -> dict:
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
+    environment |= {
+        "OPENBLAS_NUM_THREADS": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+        "OMPI_MCA_rmaps_base_oversubscribe": "1",
+        "OMPI_MCA_hwloc_base_binding_policy": "none",
+        "PYTHONPATH": str(root),
+    }
+    command = [sys.executable, str(SCRIPT), mode, str(file)]
+    command = ["mpirun", "-n", str(ranks), *command] if ranks > 1 else command
+    done = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True, timeout=280, check=False)
+    assert done.returncode == 0, done.stderr[-2000:]
+    return json.loads(done.stdout.splitlines()[-1]) if mode != "stop" else {}
+
+
+@pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun")
+def test_restart_on_another_number_of_ranks(root: Path, tmp_path: Path) -> None:
+    file = tmp_path / "checkpoint.npz"
+    whole = run(root, 1, "whole", tmp_path / "unused.npz")
+    run(root, 1, "stop", file)
+    kept = file.read_bytes()
+    for ranks in (1, 2):
+        file.write_bytes(kept)
+        found = run(root, ranks, "go", file)
+        assert (found["ranks"], found["solved"], whole["solved"]) == (ranks, 1, 2)
+        assert found["counts"] == whole["counts"]
+        for name in ("displacement", "pressure", "bodies", "volume_energy_reaction"):
+            # asked 1e-12 on the same number of ranks, 1e-9 on another: sums in another order, Newton to 1e-11
+            assert found[name] == pytest.approx(whole[name], rel=1e-12 if ranks == 1 else 1e-9, abs=1e-12), name
+
+
+@pytest.fixture(scope="module")
+def memories(bellows_problem) -> list[PathMemory]:
+    """What a path hands out after each of its steps."""
+    case = bellows_problem(2)
+    out: list[PathMemory] = []
+    path = follow_path(case.problem, case.factor, ASKED, PathSettings(), on_step=out.append)
+    assert path.reached and len(out) >= 4
+    return out
+
+
+def test_path_resumed_after_any_step_is_the_same_to_the_last_bit(bellows_problem, memories, tmp_path: Path) -> None:
+    case = bellows_problem(2)
+    whole = follow_path(case.problem, case.factor, ASKED, PathSettings())
+    for memory in memories:
+        write_checkpoint(tmp_path / "c.npz", "bellows", memory, {"a": [1, 2.5]})
+        found = read_checkpoint(tmp_path / "c.npz", "bellows")
+        assert found is not None
+        resume, notes = found
+        assert notes == {"a": [1, 2.5]}
+        assert isinstance(resume, PathMemory)
+        path = follow_path(case.problem, case.factor, ASKED, PathSettings(), resume=resume)
+        assert path.reached
+        assert path.rejected == whole.rejected
+        after = [s for s in whole.states if s.volume_mm3 > memory.history[-1].volume_mm3]
+        assert len(path.states) == len(after)
+        for a, b in zip(path.states, after, strict=True):
+            assert np.array_equal(a.state.displacement_mm, b.state.displacement_mm)
+            assert np.array_equal(a.state.pressure_mpa, b.state.pressure_mpa)
+            assert np.array_equal(a.state.bodies_mm, b.state.bodies_mm)
+            assert a.newton == b.newton
+            assert (a.control, a.asked, a.energy_mj) == (b.control, b.asked, b.energy_mj)
+
+
+def test_crossing_is_kept_as_numbers(memories, tmp_path: Path) -> None:
+    crossing = Crossing(Cause.BIFURCATION, 0.1, 1e-6, 3.0, 0, 2)
+    write_checkpoint(tmp_path / "c.npz", "x", dataclasses.replace(memories[0], crossing=crossing), None)
+    found = read_checkpoint(tmp_path / "c.npz", "x")
+    assert found is not None and found[0].crossing == crossing
+
+
+def test_missing_foreign_and_truncated_checkpoints(memories, tmp_path: Path) -> None:
+    file = tmp_path / "c.npz"
+    assert read_checkpoint(file, "x") is None
+    write_checkpoint(file, "x", memories[-1], None)
+    with pytest.raises(CheckpointError, match="belongs to another"):
+        read_checkpoint(file, "y")
+    content = file.read_bytes()
+    for length in (0, 1, 100, len(content) // 2, len(content) - 1):
+        file.write_bytes(content[:length])
+        with pytest.raises(CheckpointError, match=r"c\.npz: damaged, not used"):
+            read_checkpoint(file, "x")
+
+
+def test_failed_write_leaves_the_old_checkpoint(memories, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "c.npz"
+    write_checkpoint(file, "x", memories[0], "old")
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", full)
+        with pytest.raises(OSError, match="No space left on device") as error:
+            write_checkpoint(file, "x", memories[1], "new")
+    assert str(error.value.filename) == str(file)
+    found = read_checkpoint(file, "x")
+    assert found is not None and found[1] == "old"

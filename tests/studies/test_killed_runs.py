@@ -1,0 +1,98 @@
+"""A run killed at any moment, without warning, goes on to the answer of a run that was left alone."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from studies.results import PATH_COLUMNS, read_path, read_summary
+
+ROOT = Path(__file__).resolve().parents[2]
+LEVELS = {"axisymmetric": ("axisymmetric-r1", "axisymmetric-r2", "axisymmetric-r4"), "full3d": ("full3d-n12",)}
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory) -> Path:
+    """One convolution, four pressures."""
+    text = (ROOT / "scenes" / "smoke-t2-ri5.toml").read_text(encoding="utf-8")
+    text = text.replace("convolutions = 2", "convolutions = 1").replace("[5.0, 10.0]", "[5.0, 10.0, 15.0, 20.0]")
+    path = tmp_path_factory.mktemp("killed") / "small.toml"
+    path.write_text(text.replace("fields = true", "fields = false"), encoding="utf-8")
+    return path
+
+
+def start(scene: Path, out: Path, rung: str, ranks: int = 1) -> subprocess.Popen:
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
+    environment |= {
+        "OPENBLAS_NUM_THREADS": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+        "OMPI_MCA_rmaps_base_oversubscribe": "1",
+        "OMPI_MCA_hwloc_base_binding_policy": "none",
+        "PYTHONPATH": str(ROOT),
+    }
+    command = [sys.executable, "-m", "studies", "solve", str(scene), "--out", str(out), "--rung", rung]
+    command = ["mpirun", "-n", str(ranks), *command] if ranks > 1 else command
+    return subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+
+
+def finish(process: subprocess.Popen) -> None:
+    _, said = process.communicate(timeout=280)
+    assert process.returncode == 0, said[-2000:]
+
+
+def wait_for(path: Path, process: subprocess.Popen) -> None:
+    while not path.exists() and process.poll() is None:
+        time.sleep(0.005)
+
+
+def assert_same_runs(found: Path, expected: Path, rung: str) -> None:
+    for level in LEVELS[rung]:
+        a, b = read_path(found / level), read_path(expected / level)
+        assert len(a) == len(b)
+        for x, y in zip(a, b, strict=True):
+            for name in PATH_COLUMNS:
+                if name != "wall_s":
+                    p, q = getattr(x, name), getattr(y, name)
+                    # asked 1e-9; the steps are the same, so the same bits but for twelve digits in the file
+                    assert p == q or p == pytest.approx(q, rel=1e-9, nan_ok=True), (level, name, p, q)
+        assert read_summary(found / level).factorisations == read_summary(expected / level).factorisations
+
+
+def kill_five_times(scene: Path, tmp_path: Path, rung: str) -> None:
+    whole = tmp_path / "whole"
+    process = start(scene, whole, rung)
+    wait_for(whole / "scene.toml", process)
+    begin = time.perf_counter()
+    finish(process)
+    duration = time.perf_counter() - begin
+
+    rng = random.Random(5)
+    out = tmp_path / "killed"
+    alive = 0
+    for _ in range(5):
+        process = start(scene, out, rung)
+        wait_for(out / "scene.toml", process)
+        time.sleep(rng.uniform(0.05, 0.5) * duration)
+        alive += process.poll() is None
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+    assert alive >= 3
+    finish(start(scene, out, rung))
+    assert_same_runs(out, whole, rung)
+
+
+def test_axisymmetric_run_killed_five_times_gives_the_same_path(scene, tmp_path) -> None:
+    kill_five_times(scene, tmp_path, "axisymmetric")
+
+
+@pytest.mark.slow
+def test_full_run_killed_five_times_gives_the_same_path(scene, tmp_path) -> None:
+    kill_five_times(scene, tmp_path, "full3d")
