@@ -28,7 +28,8 @@ from studies import (
     session,
     solver_benchmark,
 )
-from studies.exact_scene import AnyScene, load_any_scene
+from studies.exact_report import render_exact
+from studies.exact_scene import AnyScene, is_exact, load_any_scene
 from studies.kinds import AnyPlan, description, plan_for, run
 from studies.plan import RUNGS, Rung, around_levels, make_plan
 from studies.progress import Progress
@@ -274,8 +275,14 @@ def _report(folder: Path) -> None:
     if not folders:
         click.echo(f"{folder}: holds no scene results; run solve, batch or study first", err=True)
         sys.exit(BAD_INPUT)
-    page = session.render(folder, TITLE, INTRODUCTION, folders)
-    click.echo(f"report: {page}")
+    exact = [p for p in folders if is_exact(p / session.SCENE_FILE)]
+    bellows = [p for p in folders if p not in exact]
+    if bellows:
+        click.echo(f"report: {session.render(folder, TITLE, INTRODUCTION, bellows)}")
+    if exact:  # beside bellows, a page of its own
+        place = folder / "exact" if bellows else folder
+        place.mkdir(exist_ok=True)
+        click.echo(f"report: {render_exact(place, exact)}")
 
 
 def _end_all_ranks(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
