@@ -175,6 +175,21 @@ def test_users_mesh_gives_what_the_same_body_of_this_program_does(scene, tmp_pat
         assert row.value == pytest.approx(math.pi / 6.0 * bore**3, rel=1e-3)
 
 
+def test_users_mesh_whose_load_has_no_potential_is_solved_and_said_to_be_so(scene, tmp_path) -> None:
+    path = scene(
+        "mesh", ('"displacement_max_mm"', '"tip_mm"'), ("10.0, 20.0", "2.0"), ("fields = true", "fields = false")
+    )
+    mesh = tmp_path / "octant.msh"
+    # an edge of the cavity is free: the pressure on it is no gradient of a volume
+    mesh.write_bytes(mesh.read_bytes().replace(b'"symmetry_x"', b'"clamped"').replace(b'"symmetry_y"', b'"tip"'))
+    out = tmp_path / "out"
+    rows = solved(path, out)
+    assert any("not conservative" in note for note in read_summary(out).plan)
+    assert not [r for r in rows if r.quantity == "unstable_modes"]
+    (tip,) = finest(rows, "tip_mm")
+    assert read_path(out)[-1].tip_mm == pytest.approx(tip.value, rel=1e-9)
+
+
 def test_pressure_beyond_the_limit_point_exits_3_and_keeps_what_was_reached(scene, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr("studies.exact_plan.MERIDIAN_LEVELS", ("r1",))
     path = scene("sphere-limit", ("[10.0, 20.0]", "[20.0, 31.0]"), (', "limit_kpa"', ""))
