@@ -6,7 +6,7 @@ SHELL := /bin/bash
 PYTHON := .venv/bin/python
 MPIRUN ?= /usr/bin/mpirun
 SCENES ?= $(wildcard scenes/*.toml)
-EXAMPLES ?= study closed-form dimensions
+EXAMPLES ?= study exact closed-form dimensions
 
 # --- ranks and threads ----------------------------------------------------------------------
 # One rank: BLAS may use all cores. Several ranks: one thread each, or they fight for the cores.
@@ -100,6 +100,10 @@ batch: check ## run SCENES (default scenes/*.toml) -> results/batch
 .PHONY: report
 report: check ## render the report of results/study again from its rows
 	$(PYTHON) -m studies report results/study
+
+.PHONY: study-exact
+study-exact: check ## bodies with exact answers, every model of each -> results/exact
+	$(LAUNCH) -m studies exact --out results/exact
 
 .PHONY: study-closed-form
 study-closed-form: check ## chains, mends, validity, laws and exact solutions -> results/closed-form

@@ -15,6 +15,7 @@ from studies.exact_plots import Points, draw_against_exact
 from studies.exact_scene import ExactScene
 from studies.exact_session import OF_PATHS
 from studies.pages import duration, write_page
+from studies.plan import RUNGS
 from studies.report import SceneReport
 from studies.results import SUMMARY_FILE, fineness, read_path, read_summary
 from studies.rows import Row, read_rows, write_rows
@@ -75,7 +76,8 @@ def _read(folder: Path) -> SceneReport:
     runs = [read_summary(p.parent) for p in folder.glob(f"*-*/{SUMMARY_FILE}")]
     rows = read_rows(folder / ROWS_FILE)
     shown = {(row.rung, row.level) for row in rows}  # runs of an earlier plan may be there too
-    runs = sorted((r for r in runs if (r.rung, r.level) in shown), key=lambda r: fineness(r.level))
+    order: dict[str, int] = {rung: place for place, rung in enumerate(RUNGS)}
+    runs = sorted((r for r in runs if (r.rung, r.level) in shown), key=lambda r: (order[r.rung], fineness(r.level)))
     scene = _scene(folder)
     return SceneReport(
         name=scene.name,
@@ -121,20 +123,21 @@ def _plotted(scene: ExactScene) -> str:
 
 def _draw(path: Path, scene: ExactScene, report: SceneReport, quantity: str) -> None:
     levels = []
-    for run in report.runs:
-        rows = [r for r in report.rows if (r.quantity, r.rung, r.level) == (quantity, run.rung, run.level)]
+    for rung, level in _finest(report):
+        rows = [r for r in report.rows if (r.quantity, r.rung, r.level) == (quantity, rung, level)]
         known = [(r.pressure_kpa, r.value) for r in rows if math.isfinite(r.value)]
         if quantity == "unstable_modes":  # counted in every state
-            known = [(s.pressure_kpa, s.unstable_modes) for s in report.paths[f"{run.rung} {run.level}"]]
-        levels.append(Points(model_label(run.rung, run.level), *_columns(known)))
+            known = [(s.pressure_kpa, s.unstable_modes) for s in report.paths[f"{rung} {level}"]]
+        levels.append(Points(model_label(rung, level), *_columns(known)))
     loads = np.linspace(0.0, max(scene.loads_kpa), 61)[1:]
     curve = [(0.0, 0.0), *((float(p), exact_bore_mm(scene, float(p))[0]) for p in loads)]
     known = [pair for pair in curve if math.isfinite(pair[1])] if quantity == "bore_mm" else []
     exact = Points("exact", *_columns(known)) if len(known) > 1 else None
     lines = []
+    last = (report.runs[-1].rung, report.runs[-1].level)
     for row in report.rows:
-        if row.quantity in OF_PATHS and row.level == report.runs[-1].level and math.isfinite(row.value):
-            lines.append((f"{row.quantity.removesuffix('_kpa')}, {row.level}", row.value))
+        if row.quantity in OF_PATHS and (row.rung, row.level) == last and math.isfinite(row.value):
+            lines.append((f"{row.quantity.removesuffix('_kpa')}, {model_label(*last)}", row.value))
             if math.isfinite(row.reference):
                 lines.append(("the same, exact", exact_crossing_kpa(scene)[0]))
     draw_against_exact(path, _NAMES[quantity], exact, levels, lines)
@@ -148,21 +151,26 @@ def _columns(pairs: Sequence[tuple[float, float]]) -> tuple[tuple[float, ...], t
 
 
 def _summary(pairs: Sequence[tuple[ExactScene, SceneReport]]) -> Table:
-    """The asked quantities on the finest mesh: the largest error over the loads."""
+    """The asked quantities on the finest mesh of each model: the largest error over the loads."""
     lines = []
     for scene, report in pairs:
-        level = report.runs[-1].level
         for quantity in scene.quantities:
-            rows = [r for r in report.rows if r.quantity == quantity and r.level == level]
-            errors = [abs(r.error_percent) for r in rows if math.isfinite(r.error_percent)]
-            reached = sum(math.isfinite(r.value) for r in rows)
-            stopped = next((r.status for r in rows if r.status != "reached"), "reached")
-            lines.append(
-                (report.name, _NAMES[quantity], model_label(rows[0].rung, level) if rows else MISSING,
-                 f"{reached} of {len(rows)}", _percent(max(errors)) if errors else MISSING, stopped)
-            )  # fmt: skip
+            for rung, level in _finest(report):
+                rows = [r for r in report.rows if (r.quantity, r.rung, r.level) == (quantity, rung, level)]
+                errors = [abs(r.error_percent) for r in rows if math.isfinite(r.error_percent)]
+                reached = sum(math.isfinite(r.value) for r in rows)
+                stopped = next((r.status for r in rows if r.status != "reached"), "reached")
+                lines.append(
+                    (report.name, _NAMES[quantity], model_label(rung, level), f"{reached} of {len(rows)}",
+                     _percent(max(errors)) if errors else MISSING, stopped)
+                )  # fmt: skip
     header = ("scene", "quantity", "finest mesh", "values", "largest error, %", "status")
     return Table(header, tuple(lines), left=(0, 1, 2, 5))
+
+
+def _finest(report: SceneReport) -> list[tuple[str, str]]:
+    """Model and finest mesh, a pair per model."""
+    return list({run.rung: (run.rung, run.level) for run in report.runs}.values())
 
 
 def _compared(rows: Sequence[Row]) -> Table:
@@ -182,17 +190,17 @@ def _compared(rows: Sequence[Row]) -> Table:
 
 
 def _checks(rows: Sequence[Row]) -> Table:
-    """Unstable modes and least det F of the finest mesh at each load."""
-    lines: dict[float, dict[str, str]] = {}
+    """Unstable modes and least det F on the finest mesh of each model at each load."""
+    lines: dict[tuple[str, str, float], dict[str, str]] = {}
     for row in rows:
         if row.quantity in ("unstable_modes", "min_det_f"):
             shown = f"{row.value:.0f}" if row.quantity == "unstable_modes" else f"{row.value:#.4g}"
-            lines.setdefault(row.pressure_kpa, {})[row.quantity] = shown
+            lines.setdefault((row.rung, row.level, row.pressure_kpa), {})[row.quantity] = shown
     cells = tuple(
-        (f"{load:g}", found.get("unstable_modes", MISSING), found.get("min_det_f", MISSING))
-        for load, found in lines.items()
+        (model_label(rung, level), f"{load:g}", found.get("unstable_modes", MISSING), found.get("min_det_f", MISSING))
+        for (rung, level, load), found in lines.items()
     )
-    return Table(("load, kPa", "unstable modes", "least det F"), cells)
+    return Table(("mesh", "load, kPa", "unstable modes", "least det F"), cells)
 
 
 def _crossings(report: SceneReport) -> list[str]:

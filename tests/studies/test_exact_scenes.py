@@ -10,9 +10,10 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+from studies import exact_run
 from studies.__main__ import main
 from studies.exact_answers import exact_bore_mm, exact_crossing_kpa
-from studies.exact_scene import load_any_scene
+from studies.exact_scene import ExactScene, load_any_scene
 from studies.results import PATH_COLUMNS, read_path, read_summary
 from studies.rows import COLUMNS, Row, read_rows
 from studies.sections import SceneError
@@ -49,6 +50,12 @@ def solved(path: Path, out: Path, *options: str) -> list[Row]:
     result = run("solve", path, "--out", out, *options)
     assert result.exit_code == 0, result.output
     return read_rows(out / "rows.csv")
+
+
+def shipped(name: str) -> ExactScene:
+    found = load_any_scene(SCENES / f"{name}.toml")
+    assert isinstance(found, ExactScene)
+    return found
 
 
 def finest(rows: list[Row], quantity: str) -> list[Row]:
@@ -111,7 +118,7 @@ def test_capped_tube(scene, tmp_path, monkeypatch, rung: str) -> None:
 def test_bonded_tube_has_no_exact_answer(scene, tmp_path) -> None:
     path = scene("tube", ('ends = "plane-strain"', 'ends = "bonded"'), ("length_mm = 2.0", "length_mm = 8.0"))
     rows = solved(path, tmp_path / "out")
-    free = exact_bore_mm(load_any_scene(SCENES / "tube.toml"), 20.0)[0]
+    free = exact_bore_mm(shipped("tube"), 20.0)[0]
     for row in finest(rows, "bore_mm"):
         assert math.isnan(row.reference)
         assert 0.0 < row.uncertainty < 0.02 * row.value
@@ -161,11 +168,26 @@ def test_users_mesh_gives_what_the_same_body_of_this_program_does(scene, tmp_pat
     out = tmp_path / "out"
     rows = solved(scene("mesh"), out)
     assert len(list((out / "full3d-m1" / "fields").glob("*.vtu"))) == 2
-    sphere = load_any_scene(SCENES / "sphere.toml")
+    sphere = shipped("sphere")
     for row in finest(rows, "volume_mm3"):
         bore = 5.0 + exact_bore_mm(sphere, row.pressure_kpa)[0]
         # cells of 1.7 mm on 5 mm: measured 0.04 %
         assert row.value == pytest.approx(math.pi / 6.0 * bore**3, rel=1e-3)
+
+
+def test_users_mesh_whose_load_has_no_potential_is_solved_and_said_to_be_so(scene, tmp_path) -> None:
+    path = scene(
+        "mesh", ('"displacement_max_mm"', '"tip_mm"'), ("10.0, 20.0", "2.0"), ("fields = true", "fields = false")
+    )
+    mesh = tmp_path / "octant.msh"
+    # an edge of the cavity is free: the pressure on it is no gradient of a volume
+    mesh.write_bytes(mesh.read_bytes().replace(b'"symmetry_x"', b'"clamped"').replace(b'"symmetry_y"', b'"tip"'))
+    out = tmp_path / "out"
+    rows = solved(path, out)
+    assert any("not conservative" in note for note in read_summary(out).plan)
+    assert not [r for r in rows if r.quantity == "unstable_modes"]
+    (tip,) = finest(rows, "tip_mm")
+    assert read_path(out)[-1].tip_mm == pytest.approx(tip.value, rel=1e-9)
 
 
 def test_pressure_beyond_the_limit_point_exits_3_and_keeps_what_was_reached(scene, tmp_path, monkeypatch) -> None:
@@ -178,6 +200,28 @@ def test_pressure_beyond_the_limit_point_exits_3_and_keeps_what_was_reached(scen
     assert math.isnan(high.value)
     assert "limit point" in high.status
     assert math.isnan(high.reference)  # the exact sphere does not carry it either
+
+
+def test_interrupted_run_goes_on_to_the_same_answer(scene, tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("studies.exact_plan.BLOCK_LEVELS", ("n2",))
+    path, out = scene("cube"), tmp_path / "out"
+    save = exact_run.save_state
+
+    def die_at_the_second(folder, content_hash, state, row):
+        if row.pressure_kpa > 150.0:
+            raise SystemExit("killed")
+        save(folder, content_hash, state, row)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(exact_run, "save_state", die_at_the_second)
+        assert run("solve", path, "--out", out).exit_code == 1
+    assert (out / "full3d-n2" / "checkpoint.npz").exists()
+    rows, whole = solved(path, out), solved(path, tmp_path / "whole")
+    # the same steps, bit for bit; rows.csv has nine digits
+    assert [r.value for r in rows] == [r.value for r in whole]
+    assert (out / "full3d-n2" / "measured.json").read_bytes() == (
+        tmp_path / "whole/full3d-n2/measured.json"
+    ).read_bytes()
 
 
 def test_batch_and_report(scene, tmp_path) -> None:
@@ -206,10 +250,10 @@ def test_shipped_scenes_are_accepted_and_planned(path: Path) -> None:
 
 
 def test_exact_crossings_by_kind() -> None:
-    follower, source = exact_crossing_kpa(load_any_scene(SCENES / "ring-2.toml"))
+    follower, source = exact_crossing_kpa(shipped("ring-2"))
     assert follower == pytest.approx(0.43992, rel=1e-4)  # analytical.ring, tested there
     assert "follower" in source
-    assert math.isnan(exact_crossing_kpa(load_any_scene(SCENES / "tube.toml"))[0])
+    assert math.isnan(exact_crossing_kpa(shipped("tube"))[0])
 
 
 @pytest.mark.parametrize(
