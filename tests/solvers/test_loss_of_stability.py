@@ -17,6 +17,7 @@ from meshes.revolve import revolve
 from meshes.solid import TETRAHEDRON_EDGES, SolidMesh
 from solvers.errors import Cause
 from solvers.linear import Factor
+from solvers.newton import NewtonSettings, solve_equilibrium
 from solvers.path import PathSettings, follow_path
 from solvers.records import PathMemory, PathPoint
 from solvers.state import State
@@ -219,6 +220,25 @@ def test_buckling_of_a_quarter_ring_under_outside_pressure_is_found(
     radial = u[rim, 0] * np.cos(angle) + u[rim, 1] * np.sin(angle)
     amplitude = radial @ np.cos(2.0 * angle) / (np.cos(2.0 * angle) @ np.cos(2.0 * angle))
     assert np.abs(radial - amplitude * np.cos(2.0 * angle)).max() < 0.02 * abs(amplitude)
+
+
+def test_dead_pressure_on_the_ring_would_buckle_it_later(strip, quarter, sides, make_problem) -> None:
+    mesh: SolidMesh = quarter(revolve(strip(10.0, 12.0, 1.0, 2, 1), 32))
+    level = ((sides.bottom, 2), (sides.top, 2), (sides.x_plane, 0), (sides.y_plane, 1))
+    problem = make_problem(mesh, NeoHooke(MU), dead=sides.outer, held=level)
+    factor = Factor(problem)
+    follower = ring_buckling_pressure(10.0, 12.0, 2)
+    low, high = 1.0 * follower, 1.3 * follower
+    for pressure in np.linspace(0.2, 1.0, 5) * follower:
+        report = solve_equilibrium(problem, factor, NewtonSettings(), pressure_mpa=-pressure)
+    assert report.excess_negatives == 0
+    for _ in range(8):
+        middle = 0.5 * (low + high)
+        report = solve_equilibrium(problem, factor, NewtonSettings(), pressure_mpa=-middle)
+        low, high = (middle, high) if report.excess_negatives == 0 else (low, middle)
+    # the control: 4/3 for thin rings, 12 % at 10/12 mm by earlier calculations; measured 11.2 %, of which this mesh
+    # takes 0.5 off
+    assert 1.10 < high / follower < 1.14
 
 
 # ---- Rivlin's cube -------------------------------------------------------------------------------------
