@@ -97,6 +97,8 @@ def scene_problem(scene: Scene, mesh: SolidMesh | None, comm: MPI.Comm) -> Probl
             axial_only=cut,
             plate=len(centres) - 1 if plate else None,
             plate_area_mm2=comm.bcast(None if mesh is None else _rim_area(mesh)) if plate else 0.0,
+            plate_held=scene.blocked,
+            plate_force_n=scene.load.tip_force_n / SECTORS["sector" if cut else "full3d"],
         )
     held: tuple[tuple[int, int], ...] = ((FACETS["axis"], 0),) if domain.axisymmetric else ()
     if cut:
@@ -106,6 +108,7 @@ def scene_problem(scene: Scene, mesh: SolidMesh | None, comm: MPI.Comm) -> Probl
         clamped=FACETS["clamped"],
         bond=FACETS["bond"] if bodies is not None else None,
         held=held,
+        blocked=FACETS["tip"] if scene.blocked and not plate else None,
     )
     law = law_of(scene.material)
     return Problem(domain, law, inverse_kappa(scene.material), surfaces, stiff, bodies)
