@@ -74,7 +74,7 @@ def _go_to_rest(problem: Problem, factor: Factor, settings: PathSettings) -> Non
         except StepFailed as failure:
             bonded.dead_force_n = whole
             if parts == FORCE_PARTS[-1] or failure.cause is Cause.OUT_OF_MEMORY:
-                message = f"no equilibrium under the dead force of {whole:g} N without pressure: {failure}"
+                message = f"no equilibrium under the dead force of {whole:g} N before the pressure comes: {failure}"
                 raise StepFailed(message, failure.cause) from failure
 
 

@@ -68,10 +68,11 @@ class Rings(Section):
 class Mesh(Section):
     """Kind of cells: hexahedra (quadrilaterals on the meridian), or tetrahedra (triangles) as in the paper.
 
-    ``auto`` takes hexahedra unless the rings are meshed.
+    ``auto`` takes hexahedra unless the rings are meshed. ``tet-p0`` has one pressure per cell, like ANSYS's SOLID187
+    with constant pressure; ``tet-p1`` has linear displacements and no pressure, and locks: the control to compare with.
     """
 
-    element: Literal["auto", "hex", "tet"] = "auto"
+    element: Literal["auto", "hex", "tet", "tet-p0", "tet-p1"] = "auto"
 
 
 class YeohMaterial(Section):
@@ -265,12 +266,23 @@ def _faults(scene: Scene) -> list[str]:
         )
     if rings.model == "meshed" and scene.mesh.element == "hex":
         faults.append('mesh.element = "hex": meshed rings need "tet" (or "auto"), or rings.model = "rigid"')
+    faults += element_faults(scene.mesh, scene.material.kappa_over_mu)
     if rings.bond_grading_mm > 0.5 * rings.seat_mm:
         faults.append(
             f"rings.bond_grading_mm = {rings.bond_grading_mm:g}: must be at most half of seat_mm = {rings.seat_mm:g}"
         )
     faults += _tip_faults(scene)
     return faults + material_faults(scene.material, scene.load.pressure_kpa[-1], "load.pressure_kpa")
+
+
+def element_faults(mesh: Mesh, kappa_over_mu: float) -> list[str]:
+    """What is wrong with an element for a material."""
+    if mesh.element != "tet-p1" or math.isfinite(kappa_over_mu):
+        return []
+    return [
+        'mesh.element = "tet-p1" with material.kappa_over_mu = inf: without pressure unknowns the material must be '
+        "compressible: set kappa_over_mu, for instance to 1000, or take another element"
+    ]
 
 
 def _tip_faults(scene: Scene) -> list[str]:
