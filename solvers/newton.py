@@ -179,6 +179,7 @@ def _dot(problem: Problem, a: FloatArray, b: FloatArray) -> float:
 
 def _residual(problem: Problem, volume_mm3: float | None) -> _Residual:
     force, on_bodies = problem.internal_force()
+    on_bodies[problem.held_bodies] = 0.0
     fixed = problem.constrained_owned
     unit_load = problem.load_force()
     unit_load[fixed] = 0.0
@@ -200,6 +201,8 @@ def _residual(problem: Problem, volume_mm3: float | None) -> _Residual:
     sums = problem.comm.allreduce(sums, op=MPI.SUM)
     # Below a thousandth of the shear modulus the load says nothing about the size of forces.
     load = max(abs(pressure), 1e-3 * problem.shear_modulus_mpa) * np.sqrt(sums[2])
+    if problem.bonded is not None:
+        load = np.hypot(load, problem.bonded.dead_force_n)
     error = np.sqrt(sums[0] + on_bodies @ on_bodies) / load + np.sqrt(sums[1]) / problem.volume_scale
     if volume_mm3 is not None:
         volume = problem.cavity_volume()

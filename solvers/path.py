@@ -32,6 +32,37 @@ from solvers.warm_start import follow_guesses
 __all__ = ["Path", "PathSettings", "PathState", "Progress", "follow_guesses", "follow_path"]
 
 
+# A dead force is brought on at once, or else in so many equal parts.
+FORCE_PARTS = (1, 4, 16)
+
+
+def _go_to_rest(problem: Problem, factor: Factor, settings: PathSettings) -> None:
+    """The state without pressure: the unloaded one, or that under a dead force, brought on in parts if need be.
+
+    Raises
+    ------
+    StepFailed
+        If Newton fails however small the parts.
+    """
+    problem.set_state(problem.zero_state())
+    bonded = problem.bonded
+    if bonded is None or bonded.dead_force_n == 0.0:
+        return
+    whole = bonded.dead_force_n
+    for parts in FORCE_PARTS:
+        problem.set_state(problem.zero_state())
+        try:
+            for k in range(1, parts + 1):
+                bonded.dead_force_n = whole * k / parts
+                solve_equilibrium(problem, factor, settings.newton, pressure_mpa=0.0)
+            return
+        except StepFailed as failure:
+            bonded.dead_force_n = whole
+            if parts == FORCE_PARTS[-1] or failure.cause is Cause.OUT_OF_MEMORY:
+                message = f"no equilibrium under the dead force of {whole:g} N before the pressure comes: {failure}"
+                raise StepFailed(message, failure.cause) from failure
+
+
 @dataclass
 class _Walk:
     """A path on its way: what `PathMemory` keeps, and the failures since the last converged state."""
@@ -92,8 +123,14 @@ class _Follower:
         return share * self.unit[control]
 
     def start(self) -> _Walk:
-        """A walk from the unloaded state."""
-        self.problem.set_state(self.problem.zero_state())
+        """A walk from the state without pressure.
+
+        Raises
+        ------
+        StepFailed
+            If there is no such state under the dead force.
+        """
+        _go_to_rest(self.problem, self.factor, self.settings)
         rest = PathPoint(self.problem.get_state(), self.problem.cavity_volume(), math.nan, 0)
         control = self.settings.start_control if self.settings.control == "auto" else self.settings.control
         return _Walk([rest], control, self.first_step(control), 0, 0, 0.0, None)

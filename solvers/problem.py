@@ -15,6 +15,7 @@ import scipy.sparse
 import ufl
 from dolfinx import fem
 from mpi4py import MPI
+from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from analytical.materials import StiffSolid
@@ -53,6 +54,8 @@ class Surfaces:
         Components are those of the problem's frame.
     pinned
         Pairs (caller's node, component) with zero displacement, to hold a free body's motions.
+    blocked
+        Held axially, and the force on what holds it is known: `Problem.end_force`.
     """
 
     cavity: int | None = None
@@ -63,6 +66,7 @@ class Surfaces:
     dead: int | None = None
     pinned: tuple[tuple[int, int], ...] = ()
     dead_pressure: int | None = None
+    blocked: int | None = None
 
     @property
     def load(self) -> tuple[LoadKind, int]:
@@ -279,6 +283,8 @@ class Problem:
         conditions = list(surfaces.held)
         if surfaces.clamped is not None:
             conditions += [(surfaces.clamped, i) for i in range(self.dimension)]
+        if surfaces.blocked is not None:
+            conditions.append((surfaces.blocked, axial))
         fixed: list[tuple[Any, IntArray]] = []
         for number, component in conditions:
             sub = self.space.sub(0).sub(component)
@@ -306,9 +312,14 @@ class Problem:
         self._is_constrained = np.zeros(self.local, dtype=bool)
         for _, dofs in fixed:
             self._is_constrained[dofs] = True
-        clamped = tags.indices[tags.values == surfaces.clamped]
-        support = fem.locate_dofs_topological(self.space.sub(0).sub(axial), self.dimension - 1, clamped)
-        self._clamped_axial = support[support < self.owned]
+        self._clamped_axial = self._axial_dofs(surfaces.clamped)
+        self._blocked_axial = None if surfaces.blocked is None else self._axial_dofs(surfaces.blocked)
+
+    def _axial_dofs(self, surface: int | None) -> IntArray:
+        """Owned axial dofs on a surface."""
+        facets = self.domain.facet_tags.indices[self.domain.facet_tags.values == surface]
+        dofs = fem.locate_dofs_topological(self.space.sub(0).sub(self.dimension - 1), self.dimension - 1, facets)
+        return dofs[dofs < self.owned].astype(np.int64)
 
     # ---- rigid bodies ----------------------------------------------------------------------------------
 
@@ -326,6 +337,11 @@ class Problem:
             # cells between two bodies have dofs of both, their bonded facets never
             pulled.append(np.flatnonzero(found & ~self._is_constrained[: self.owned]))
         return pulled
+
+    @property
+    def held_bodies(self) -> NDArray[np.bool_]:
+        """Which body unknowns are held, shape (extra,)."""
+        return np.zeros(0, dtype=bool) if self.bonded is None else self.bonded.is_held
 
     @property
     def body_values(self) -> FloatArray:
@@ -394,7 +410,13 @@ class Problem:
         columns = bonded.columns()
         blocks = bonded.blocks() - float(self.pressure.value) * bonded.plate_volume()[2]
         add = PETSc.InsertMode.ADD_VALUES
+        held = bonded.is_held.reshape(bonded.count, bonded.modes).any(axis=1)
         for body, dofs in enumerate(self._coupled):
+            if held[body]:  # a unit diagonal alone: it stays where it is, and adds no negative pivot
+                if self.comm.rank == self.comm.size - 1:
+                    there = np.arange(self.modes, dtype=PETSc.IntType) + (total + body * self.modes)
+                    matrix.setValues(there, there, np.eye(self.modes), addv=add)
+                continue
             here = (dofs + first).astype(PETSc.IntType)
             there = np.arange(self.modes, dtype=PETSc.IntType) + (total + body * self.modes)
             values = columns[dofs]
@@ -406,14 +428,14 @@ class Problem:
     def internal_force(self) -> tuple[FloatArray, FloatArray]:
         """Internal force on the owned dofs (owned,), residual of the bodies (extra,); constraints not yet applied.
 
-        The bodies' residual includes the pressure on a plate.
+        The bodies' residual includes the pressure and the dead force on a plate.
         """
         with self.timer("residual"):
             force = compat.assemble_array(self._internal, self.index_map).array[: self.owned].copy()
             if self.bonded is None:
                 return force, np.zeros(0)
             on_plate = float(self.pressure.value) * self.bonded.plate_volume()[1]
-            return force, self.bonded.forces() - on_plate
+            return force, self.bonded.forces() - on_plate - self.bonded.dead_forces()
 
     def volume_gradient(self) -> FloatArray:
         """Derivative of `cavity_volume` on the owned dofs, mm^2, shape (owned,)."""
@@ -446,6 +468,21 @@ class Problem:
         force, _ = self.internal_force()
         total = force - float(self.pressure.value) * self.load_traction()
         return float(self.comm.allreduce(float(total[self._clamped_axial].sum()), op=MPI.SUM))
+
+    def end_force(self) -> float:
+        """Axial force of the body on what acts at its end, N: on what holds a plate or a blocked surface.
+
+        Positive along the axis. For a free plate the opposite of the dead force on it; 0 without any of these.
+        """
+        if self._blocked_axial is not None:
+            force, _ = self.internal_force()
+            total = force - float(self.pressure.value) * self.load_traction()
+            return -float(self.comm.allreduce(float(total[self._blocked_axial].sum()), op=MPI.SUM))
+        if self.bonded is None or self.bonded.plate_axial is None:
+            return 0.0
+        if self.bonded.is_held[self.bonded.plate_axial]:
+            return -float(self.internal_force()[1][self.bonded.plate_axial])
+        return 0.0 - self.bonded.dead_force_n
 
     def extremes(self) -> tuple[float, float, float]:
         """Smallest det F and largest isochoric I1 and I2 over all quadrature points (NaN-safe)."""

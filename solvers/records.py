@@ -77,6 +77,8 @@ class PathState:
         ``pressure`` or ``volume``: which was held in the solve.
     volume_mm3, energy_mj, reaction_n
         Enclosed volume, stored energy, axial support force.
+    end_force_n
+        Axial force on what holds or loads the other end, see `solvers.problem.Problem.end_force`.
     bond_slip_mm
         Root mean square slip of the bond to rigid bodies, weighted with its grade; NaN without bodies.
     newton
@@ -91,6 +93,7 @@ class PathState:
     volume_mm3: float
     energy_mj: float
     reaction_n: float
+    end_force_n: float
     bond_slip_mm: float
     newton: NewtonReport
     wall_s: float
@@ -105,6 +108,7 @@ def record(problem: Problem, report: NewtonReport, asked: bool, control: Control
         volume_mm3=problem.cavity_volume(),
         energy_mj=problem.energy(),
         reaction_n=problem.reaction(),
+        end_force_n=problem.end_force(),
         bond_slip_mm=float("nan") if problem.bonded is None else problem.bonded.rms_slip_mm(),
         newton=report,
         wall_s=time.perf_counter() - start,

@@ -51,6 +51,10 @@ class RigidBodies:
         Number of the body that closes the cavity by a plane through its centre, normal to the axis; None for none.
     plate_area_mm2
         Area of that plane.
+    plate_held
+        True if the plate keeps the motion its state has: that of the unloaded state, nothing, on a path.
+    plate_force_n
+        Dead axial force on a plate that is not held, in the direction of the axis.
     """
 
     normal_mpa_per_mm: float
@@ -61,6 +65,8 @@ class RigidBodies:
     axial_only: bool = False
     plate: int | None = None
     plate_area_mm2: float = 0.0
+    plate_held: bool = False
+    plate_force_n: float = 0.0
 
 
 class BondedBodies:
@@ -93,6 +99,11 @@ class BondedBodies:
         self.count = len(bodies.centres_mm)
         self.modes = 1 if domain.axisymmetric or bodies.axial_only else 6
         self.values = np.zeros((self.count, self.modes))
+        held = np.zeros((self.count, self.modes), dtype=bool)
+        if bodies.plate is not None and bodies.plate_held:
+            held[bodies.plate] = True
+        self.is_held = held.ravel()
+        self.dead_force_n = 0.0 if bodies.plate is None or bodies.plate_held else bodies.plate_force_n
         mesh = domain.mesh
         self.cells = _cells_of_bodies(domain, self.count)
         self._index_map = space.dofmap.index_map
@@ -209,6 +220,20 @@ class BondedBodies:
             for j in range(i + 1):
                 self._aim(1, j)
                 out[:, i, j] = out[:, j, i] = self._per_body(self._block_form)
+        return out
+
+    @property
+    def plate_axial(self) -> int | None:
+        """Place of the plate's axial motion among the unknowns; None without a plate."""
+        if self._plate is None:
+            return None
+        return self._plate * self.modes + (2 if self.modes == 6 else 0)
+
+    def dead_forces(self) -> FloatArray:
+        """Dead force on the body unknowns, N, shape (size,)."""
+        out = np.zeros(self.size)
+        if self.plate_axial is not None:
+            out[self.plate_axial] = self.dead_force_n
         return out
 
     def plate_volume(self) -> tuple[float, FloatArray, FloatArray]:

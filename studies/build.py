@@ -18,11 +18,13 @@ from meshes.revolve import revolve, revolve_scalar, revolve_vector
 from meshes.solid import FACETS, REGIONS, SolidMesh
 from meshes.sweep import FULL_CIRCLE, revolve_hexahedra
 from solvers.domain import create_domain
+from solvers.elements import P1_P0, P2_P0, Element
 from solvers.problem import SOFT, STIFF, Problem, Surfaces
 from solvers.rigid import RigidBodies
 from solvers.state import State, pressure_at_corners
 from studies.scene import (
     RIGID_BOND_MPA_PER_MM,
+    Mesh,
     Scene,
     bond_grade,
     bond_stiffness,
@@ -33,6 +35,11 @@ from studies.scene import (
     ring_shape,
     shape_of,
 )
+
+
+def element_of(mesh: Mesh) -> Element | None:
+    """Displacement and pressure spaces; None for the usual ones of the cells."""
+    return {"tet-p0": P2_P0, "tet-p1": P1_P0}.get(mesh.element)
 
 
 def scene_meridian(scene: Scene, refinement: int) -> SolidMesh:
@@ -97,6 +104,8 @@ def scene_problem(scene: Scene, mesh: SolidMesh | None, comm: MPI.Comm) -> Probl
             axial_only=cut,
             plate=len(centres) - 1 if plate else None,
             plate_area_mm2=comm.bcast(None if mesh is None else _rim_area(mesh)) if plate else 0.0,
+            plate_held=scene.blocked,
+            plate_force_n=scene.load.tip_force_n / SECTORS["sector" if cut else "full3d"],
         )
     held: tuple[tuple[int, int], ...] = ((FACETS["axis"], 0),) if domain.axisymmetric else ()
     if cut:
@@ -106,9 +115,10 @@ def scene_problem(scene: Scene, mesh: SolidMesh | None, comm: MPI.Comm) -> Probl
         clamped=FACETS["clamped"],
         bond=FACETS["bond"] if bodies is not None else None,
         held=held,
+        blocked=FACETS["tip"] if scene.blocked and not plate else None,
     )
     law = law_of(scene.material)
-    return Problem(domain, law, inverse_kappa(scene.material), surfaces, stiff, bodies)
+    return Problem(domain, law, inverse_kappa(scene.material), surfaces, stiff, bodies, element_of(scene.mesh))
 
 
 def _ring_count(scene: Scene) -> int:

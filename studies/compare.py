@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 
 from analytical import paper
-from analytical.bellows import BellowsError, with_seat
+from analytical.bellows import BellowsDimensions, BellowsError, with_seat
+from analytical.bellows_loads import held_tip
 from analytical.chains import closed_form
 from studies.results import fineness
 from studies.rows import Row, row
@@ -21,17 +23,29 @@ from studies.uncertainty import UNKNOWN, Convergence, convergence, from_two
 MERIDIAN_ORDER, AROUND_ORDER = 2.0, 4.0
 
 
-def tip_at(run: Run, pressure_kpa: float) -> float:
-    """Tip elongation of a run at an asked pressure, mm; NaN if it was not reached."""
+# What is asked of a tip, and its unit.
+TipQuantity = Literal["tip_mm", "tip_force_n"]
+UNITS: dict[TipQuantity, str] = {"tip_mm": "mm", "tip_force_n": "N"}
+
+
+def main_quantity(scene: Scene) -> TipQuantity:
+    """What the finite elements have to find: the force at a blocked tip, else its elongation."""
+    return "tip_force_n" if scene.blocked else "tip_mm"
+
+
+def tip_at(run: Run, pressure_kpa: float, quantity: TipQuantity = "tip_mm") -> float:
+    """Elongation, mm, or force, N, at the tip of a run at an asked pressure; NaN if it was not reached."""
     for entry in run.path:
         if entry.status == "asked" and math.isclose(entry.pressure_kpa, pressure_kpa, rel_tol=1e-9):
-            return entry.tip_mm
+            return entry.tip_mm if quantity == "tip_mm" else entry.tip_force_n
     return math.nan
 
 
-def tip_convergence(runs: Sequence[Run], pressure_kpa: float, nominal_order: float) -> Convergence:
+def tip_convergence(
+    runs: Sequence[Run], pressure_kpa: float, nominal_order: float, quantity: TipQuantity = "tip_mm"
+) -> Convergence:
     """Convergence of the tip over the finest levels (three, or two) that reached a pressure."""
-    found = [(1.0 / fineness(r.summary.level), tip_at(r, pressure_kpa)) for r in runs]
+    found = [(1.0 / fineness(r.summary.level), tip_at(r, pressure_kpa, quantity)) for r in runs]
     found = sorted((f for f in found if not math.isnan(f[1])), reverse=True)[-3:]
     sizes, values = [h for h, _ in found], [v for _, v in found]
     if len(found) == 3:
@@ -55,8 +69,13 @@ def scene_rows(
         Errors are against the finest full 3D run where it reached the pressure, else against the finest
         axisymmetric one.
     """
-    pressures = scene.load.pressure_kpa
-    rows = [r for pressure in pressures for r in _rows_at(scene, pressure, axisymmetric, sector, full3d)]
+    quantities = dict.fromkeys(("tip_mm", main_quantity(scene)))
+    rows = []
+    for pressure in scene.load.pressure_kpa:
+        for quantity in quantities:
+            rows += _rows_at(scene, quantity, pressure, axisymmetric, sector, full3d)
+        for run in [*axisymmetric[-1:], *sector[-1:], *full3d[-1:]]:
+            rows += _checks(scene, run, pressure)
     for run in axisymmetric[-1:]:
         # Reference: the paper's mass of "the actuator", printed once for all four.
         mass, printed = run.summary.silicone_g, paper.PRINTED_MASS_G if _printed(scene) else math.nan
@@ -68,14 +87,19 @@ def scene_rows(
 
 
 def _rows_at(
-    scene: Scene, pressure: float, axisymmetric: Sequence[Run], sector: Sequence[Run], full3d: Sequence[Run]
+    scene: Scene,
+    quantity: TipQuantity,
+    pressure: float,
+    axisymmetric: Sequence[Run],
+    sector: Sequence[Run],
+    full3d: Sequence[Run],
 ) -> list[Row]:
-    """All rows of a scene at one pressure, kPa."""
+    """Rows of what is asked of the tip at one pressure, kPa."""
     rows: list[Row] = []
     printed = _printed(scene)
-    meridian = tip_convergence(axisymmetric, pressure, MERIDIAN_ORDER)
-    finest_axi = tip_at(axisymmetric[-1], pressure) if axisymmetric else math.nan
-    finest_3d = tip_at(full3d[-1], pressure) if full3d else math.nan
+    meridian = tip_convergence(axisymmetric, pressure, MERIDIAN_ORDER, quantity)
+    finest_axi = tip_at(axisymmetric[-1], pressure, quantity) if axisymmetric else math.nan
+    finest_3d = tip_at(full3d[-1], pressure, quantity) if full3d else math.nan
     reference, source = math.nan, ""
     if not math.isnan(finest_3d):
         reference, source = finest_3d, f"full3d {full3d[-1].summary.level}"
@@ -90,18 +114,20 @@ def _rows_at(
         status: str = "reached",
     ) -> None:
         of, by = (math.nan, "") if f"{rung} {level}" == source else (reference, source)
-        rows.append(row(scene.name, "tip_mm", "mm", pressure, rung, value, level, uncertainty, of, by, status))
+        unit = UNITS[quantity]
+        rows.append(row(scene.name, quantity, unit, pressure, rung, value, level, uncertainty, of, by, status))
 
-    for rung, value, status in _closed_forms(scene, pressure):
-        add(rung, value, status=status)
+    if quantity == main_quantity(scene):
+        for rung, value, status in _closed_forms(scene, pressure):
+            add(rung, value, status=status)
     for run in axisymmetric:
-        value = tip_at(run, pressure)
+        value = tip_at(run, pressure, quantity)
         add("axisymmetric", value, run.summary.level, meridian.uncertainty(value), _status(run, value))
-    base = tip_at(axisymmetric[0], pressure) if axisymmetric else math.nan
+    base = tip_at(axisymmetric[0], pressure, quantity) if axisymmetric else math.nan
     for runs in (sector, full3d):
-        around = tip_convergence(runs, pressure, AROUND_ORDER)
+        around = tip_convergence(runs, pressure, AROUND_ORDER, quantity)
         for run in runs:
-            value = tip_at(run, pressure)
+            value = tip_at(run, pressure, quantity)
             if len(runs) == 1:
                 # one number round: its difference to the same meridian's axisymmetric value bounds its error
                 error_around = 3.0 * abs(value - base)
@@ -113,14 +139,14 @@ def _rows_at(
         add("paper_closed_form", 10.0 * printed.closed_form_cm)
         add("paper_ansys", 10.0 * printed.ansys_cm)
         add("paper_experiment", 10.0 * printed.experiment_cm)
-    if not math.isnan(finest_3d) and not math.isnan(finest_axi):
+    if quantity == main_quantity(scene) and finest_3d and not math.isnan(finest_3d) and not math.isnan(finest_axi):
         gap = 100.0 * abs(finest_axi - finest_3d) / abs(finest_3d)
         rows.append(
             row(scene.name, "axisymmetric_full3d_gap_percent", "%", pressure, "axisymmetric", gap,
                 axisymmetric[-1].summary.level)
         )  # fmt: skip
-    for run in [*axisymmetric[-1:], *sector[-1:], *full3d[-1:]]:
-        rows += _checks(scene, run, pressure)
+    if quantity == "tip_force_n":
+        rows += _least_forces(scene, pressure)
     return rows
 
 
@@ -151,7 +177,7 @@ def _status(run: Run, value: float) -> str:
 
 
 def _closed_forms(scene: Scene, pressure_kpa: float) -> list[tuple[str, float, str]]:
-    """(rung, tip in mm, status) of the closed form with the nominal and with the free half pitch."""
+    """(rung, main quantity, status) of the closed form with the nominal and with the free half pitch."""
     nominal = dimensions_of(scene)
     variants = [("closed_form", nominal)]
     if scene.rings.model != "none":
@@ -159,14 +185,34 @@ def _closed_forms(scene: Scene, pressure_kpa: float) -> list[tuple[str, float, s
     out = []
     for rung, dimensions in variants:
         try:
-            answer = closed_form(dimensions, law_of(scene.material), np.array([pressure_kpa]))
-            out.append((rung, float(answer.elongation_mm[0]), "reached"))
+            out.append((rung, _closed_form_value(scene, dimensions, pressure_kpa), "reached"))
         except BellowsError as error:
             out.append((rung, math.nan, f"not available: {error}"))
     return out
 
 
+def _closed_form_value(scene: Scene, dimensions: BellowsDimensions, pressure_kpa: float) -> float:
+    """The main quantity of a scene by the closed form, mm or N."""
+    law = law_of(scene.material)
+    if scene.blocked:
+        return float(held_tip(dimensions, law, pressure_kpa).tip_force_n[0])
+    if scene.load.tip_force_n:
+        raise BellowsError("it has no force on its tip")
+    return float(closed_form(dimensions, law, pressure_kpa).elongation_mm[0])
+
+
+def _least_forces(scene: Scene, pressure_kpa: float) -> list[Row]:
+    """Thrust of the pressure alone by the closed form: the tip force of a wall that buckles rather than push."""
+    try:
+        thrust = held_tip(dimensions_of(scene), law_of(scene.material), pressure_kpa).extension_force_n
+    except BellowsError:
+        return []
+    return [row(scene.name, "extension_force_n", "N", pressure_kpa, "closed_form", float(thrust[0]))]
+
+
 def _printed(scene: Scene) -> paper.PrintedElongation | None:
+    if scene.blocked or scene.load.tip_force_n:
+        return None  # the paper's tips are free
     g = scene.geometry
     return paper.printed(g.wall_mm, g.root_radius_mm, g.crest_radius_mm, g.half_pitch_mm, g.convolutions)
 
@@ -175,6 +221,13 @@ def validity_notes(scene: Scene) -> list[str]:
     """What a reader must know of the closed form's and the paper's numbers for a scene."""
     dimensions, law = dimensions_of(scene), law_of(scene.material)
     notes = []
+    if scene.blocked:
+        notes.append(
+            "The closed form's force at the tip, held at zero elongation, assumes a wall that pushes; one that buckles "
+            "instead leaves the thrust of the pressure, extension_force_n."
+        )
+    if scene.load.tip_force_n:
+        return ["The closed form has no force on its tip."]
     answer = closed_form(dimensions, law, np.array(scene.load.pressure_kpa))
     unfolding_kpa = float(answer.unfolding_pressure_kpa[0])
     if unfolding_kpa <= scene.load.pressure_kpa[-1]:

@@ -71,7 +71,7 @@ def make_exact_plan(scene: ExactScene, rung: Rung | None = None) -> ExactPlan:
     if chosen not in allowed:
         why = NOT_COMPUTED if chosen == "closed_form" else f"a {scene.geometry.kind} has {', '.join(allowed)}"
         raise SceneError(f"{scene.name}: --rung {chosen}: {why}")
-    if chosen == "sector" and scene.mesh.element == "tet":
+    if chosen == "sector" and scene.mesh.element.startswith("tet"):
         raise SceneError(f'{scene.name}: a sector is meshed in hexahedra: it needs mesh.element = "hex" or "auto"')
     kind, skipped = scene.geometry.kind, []
     if rung is None and len(allowed) > 1:

@@ -22,6 +22,7 @@ from solvers.domain import create_domain
 from solvers.problem import SOFT, Problem, Surfaces
 from solvers.rigid import RigidBodies
 from solvers.state import State
+from studies.build import element_of
 from studies.exact_plan import cells_of
 from studies.exact_scene import BlockGeometry, ExactScene, MeshGeometry, RingGeometry, SphereGeometry, TubeGeometry
 from studies.results import fineness
@@ -96,7 +97,8 @@ def problem_of(scene: ExactScene, body: Body, comm: MPI.Comm) -> Problem:
             plate_area_mm2=math.pi * inner**2,
         )
     law = law_of(scene.material)
-    return Problem(domain, law, inverse_kappa(scene.material), body.surfaces, bodies=cap, frame=body.frame)
+    element = element_of(scene.mesh)
+    return Problem(domain, law, inverse_kappa(scene.material), body.surfaces, None, cap, element, frame=body.frame)
 
 
 def measures(scene: ExactScene, mesh: SolidMesh) -> dict[str, Callable[[State], float]]:

@@ -29,6 +29,7 @@ from studies.scene import (
     Scene,
     YeohMaterial,
     describe_material,
+    element_faults,
     load_scene,
     material_faults,
 )
@@ -233,10 +234,11 @@ def _faults(scene: ExactScene) -> list[str]:
     for quantity in scene.quantities:
         if quantity not in QUANTITIES[g.kind]:
             faults.append(f"ask.quantities = {quantity!r}: allowed for a {g.kind}: {_listed(QUANTITIES[g.kind])}")
-    if g.kind in ("ring", "block") and scene.mesh.element == "tet":
-        faults.append(f'mesh.element = "tet": a {g.kind} is meshed in hexahedra: "hex" or "auto"')
+    if g.kind in ("ring", "block") and scene.mesh.element.startswith("tet"):
+        faults.append(f'mesh.element = "{scene.mesh.element}": a {g.kind} is meshed in hexahedra: "hex" or "auto"')
     if g.kind == "mesh" and scene.mesh.element != "auto":
         faults.append(f'mesh.element = "{scene.mesh.element}": a user\'s mesh has the cells it has: "auto"')
+    faults += element_faults(scene.mesh, scene.material.kappa_over_mu)
     if isinstance(g, MeshGeometry):
         try:
             mesh = read_user_mesh(Path(g.file), g.scale)

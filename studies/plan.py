@@ -84,6 +84,13 @@ def make_plan(scene: Scene, rung: Rung | None = None, around: tuple[int, ...] = 
             "full 3D: geometry, material and load are rotationally symmetric, so the axisymmetric model "
             "is exact for them (force it with --rung full3d)"
         )
+    if chosen == "closed_form" and scene.load.tip_force_n:
+        raise SceneError(
+            f"{scene.name}: the closed form has no force on its tip: set load.tip_force_n = 0 "
+            f"(it is {scene.load.tip_force_n:g}) or ask for --rung axisymmetric"
+        )
+    if chosen == "axisymmetric" and scene.blocked:
+        skipped.append("modes that bend the actuator sideways: a blocked one may squirm, which only full3d counts")
     if chosen == "closed_form":
         return Plan(chosen, (), (), False, ("finite elements: the closed form was forced",))
     if scene.rings.model == "rigid":

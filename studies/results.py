@@ -20,9 +20,11 @@ PATH_FILE, SUMMARY_FILE, FIELDS_FOLDER = "path.csv", "summary.json", "fields"
 class PathRow:
     """One converged state, as a row of path.csv.
 
-    NaN (an empty field) marks what this program does not compute: ``tip_force_n`` of a free tip is 0,
-    ``min_gap_mm`` and ``unstable_by_m`` are not measured yet. ``control`` says what was held in the solve;
-    ``status`` is ``asked`` for states at asked pressures, ``step`` for those between.
+    NaN (an empty field) marks what this program does not compute: ``unstable_by_m`` is not measured yet.
+    ``tip_force_n`` is the axial force of the actuator on what holds or loads its tip, positive outwards: 0 for a free
+    tip, minus the scene's dead force (which is positive when it pulls). ``reaction_n`` is that of the support on the
+    actuator, so that ``reaction_n + P A = tip_force_n`` with the inlet's area A. ``control`` says what was held in the
+    solve; ``status`` is ``asked`` for states at asked pressures, ``step`` for those between.
     """
 
     pressure_kpa: float

@@ -20,6 +20,7 @@ from typing import Any, Literal
 import numpy as np
 from mpi4py import MPI
 
+from analytical.bellows_loads import held_tip
 from analytical.chains import closed_form
 from meshes.quality import mesh_quality
 from meshes.solid import SolidMesh
@@ -222,14 +223,14 @@ def stamp(comm: MPI.Comm) -> dict[str, Any]:
 
 
 def path_row(item: PathState, tip_mm: float, tip_centre_mm: float, parts: int = 1) -> PathRow:
-    """A row of path.csv; volume, energy and reaction are those of the whole, of which a sector is one of ``parts``."""
+    """A row of path.csv; volume, energy and forces are those of the whole, of which a sector is one of ``parts``."""
     unstable = item.newton.excess_negatives
     return PathRow(
         pressure_kpa=1e3 * item.state.load_mpa,
         control=item.control,
         tip_mm=tip_mm,
         tip_centre_mm=tip_centre_mm,
-        tip_force_n=0.0,
+        tip_force_n=parts * item.end_force_n,
         volume_mm3=parts * item.volume_mm3,
         energy_mj=parts * item.energy_mj,
         reaction_n=parts * item.reaction_n,
@@ -253,7 +254,7 @@ def run_closed_form(scene: Scene, folder: Path, comm: MPI.Comm) -> Run:
         If it has no answer for the scene.
     """
     begin = time.perf_counter()
-    answer = closed_form(dimensions_of(scene), law_of(scene.material), np.array(scene.load.pressure_kpa))
+    tips, forces = _closed_form_tip(scene)
     silicone, rings = masses_g(scene, scene_meridian(scene, 1))
     unknown = math.nan
     rows = tuple(
@@ -262,7 +263,7 @@ def run_closed_form(scene: Scene, folder: Path, comm: MPI.Comm) -> Run:
             control="pressure",
             tip_mm=tip,
             tip_centre_mm=tip,
-            tip_force_n=0.0,
+            tip_force_n=force,
             volume_mm3=unknown,
             energy_mj=unknown,
             reaction_n=unknown,
@@ -275,7 +276,7 @@ def run_closed_form(scene: Scene, folder: Path, comm: MPI.Comm) -> Run:
             status="asked",
             bond_slip_rms_mm=unknown,
         )
-        for pressure, tip in zip(scene.load.pressure_kpa, map(float, answer.elongation_mm), strict=True)
+        for pressure, tip, force in zip(scene.load.pressure_kpa, tips, forces, strict=True)
     )
     summary = RunSummary(
         scene=scene.name,
@@ -301,6 +302,14 @@ def run_closed_form(scene: Scene, folder: Path, comm: MPI.Comm) -> Run:
         write_path(folder, rows)
         write_summary(folder, summary)
     return Run(summary, rows)
+
+
+def _closed_form_tip(scene: Scene) -> tuple[list[float], list[float]]:
+    """Elongations, mm, and forces of the actuator at its tip, N, at the asked pressures."""
+    dimensions, law, pressures = dimensions_of(scene), law_of(scene.material), np.array(scene.load.pressure_kpa)
+    if scene.blocked:
+        return [0.0] * len(pressures), held_tip(dimensions, law, pressures).tip_force_n.ravel().tolist()
+    return closed_form(dimensions, law, pressures).elongation_mm.tolist(), [0.0] * len(pressures)
 
 
 def run_axisymmetric(scene: Scene, refinement: int, folder: Path, comm: MPI.Comm, progress: Progress) -> Run:

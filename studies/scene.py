@@ -68,10 +68,11 @@ class Rings(Section):
 class Mesh(Section):
     """Kind of cells: hexahedra (quadrilaterals on the meridian), or tetrahedra (triangles) as in the paper.
 
-    ``auto`` takes hexahedra unless the rings are meshed.
+    ``auto`` takes hexahedra unless the rings are meshed. ``tet-p0`` has one pressure per cell, like ANSYS's SOLID187
+    with constant pressure; ``tet-p1`` has linear displacements and no pressure, and locks: the control to compare with.
     """
 
-    element: Literal["auto", "hex", "tet"] = "auto"
+    element: Literal["auto", "hex", "tet", "tet-p0", "tet-p1"] = "auto"
 
 
 class YeohMaterial(Section):
@@ -101,10 +102,17 @@ class NeoHookeMaterial(Section):
 
 
 class Load(Section):
-    """Cavity pressures at which results are asked, kPa, ascending, and what the steps between are taken in."""
+    """Cavity pressures at which results are asked, kPa, ascending, what the steps between are taken in, and the tip.
+
+    A blocked tip is held axially: the whole rim of a cap's distal face, which may slide and widen as on a wall without
+    friction, or a rigid plate with all its motions. ``tip_force_n`` is a dead axial force on a free rigid plate,
+    positive pulls it outwards.
+    """
 
     pressure_kpa: Annotated[list[Annotated[float, Field(gt=0.0, allow_inf_nan=False)]], Field(min_length=1)]
     control: Literal["auto", "pressure", "volume"] = "auto"
+    tip: Literal["free", "blocked"] = "free"
+    tip_force_n: Annotated[float, Field(allow_inf_nan=False)] = 0.0
 
     @model_validator(mode="after")
     def _ascending(self) -> Load:
@@ -116,7 +124,7 @@ class Load(Section):
 class Ask(Section):
     """What is wanted, how exactly, and whether fields are to be written."""
 
-    quantities: list[Literal["tip_mm"]] = ["tip_mm"]
+    quantities: list[Literal["tip_mm", "tip_force_n"]] = ["tip_mm"]
     tolerance_percent: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0
     fields: bool = False
 
@@ -141,7 +149,14 @@ class Scene(Section):
     def title(self) -> str:
         """One line for headings."""
         g = self.geometry
-        return f"t = {g.wall_mm:g} mm, R_i = {g.root_radius_mm:g} mm, {describe_material(self.material)}"
+        end = ", blocked tip" if self.blocked else ""
+        end += f", {self.load.tip_force_n:g} N on the tip" if self.load.tip_force_n else ""
+        return f"t = {g.wall_mm:g} mm, R_i = {g.root_radius_mm:g} mm, {describe_material(self.material)}{end}"
+
+    @property
+    def blocked(self) -> bool:
+        """True if the tip is held."""
+        return self.load.tip == "blocked"
 
 
 def describe_material(material: YeohMaterial | OgdenMaterial | NeoHookeMaterial) -> str:
@@ -251,11 +266,35 @@ def _faults(scene: Scene) -> list[str]:
         )
     if rings.model == "meshed" and scene.mesh.element == "hex":
         faults.append('mesh.element = "hex": meshed rings need "tet" (or "auto"), or rings.model = "rigid"')
+    faults += element_faults(scene.mesh, scene.material.kappa_over_mu)
     if rings.bond_grading_mm > 0.5 * rings.seat_mm:
         faults.append(
             f"rings.bond_grading_mm = {rings.bond_grading_mm:g}: must be at most half of seat_mm = {rings.seat_mm:g}"
         )
+    faults += _tip_faults(scene)
     return faults + material_faults(scene.material, scene.load.pressure_kpa[-1], "load.pressure_kpa")
+
+
+def element_faults(mesh: Mesh, kappa_over_mu: float) -> list[str]:
+    """What is wrong with an element for a material."""
+    if mesh.element != "tet-p1" or math.isfinite(kappa_over_mu):
+        return []
+    return [
+        'mesh.element = "tet-p1" with material.kappa_over_mu = inf: without pressure unknowns the material must be '
+        "compressible: set kappa_over_mu, for instance to 1000, or take another element"
+    ]
+
+
+def _tip_faults(scene: Scene) -> list[str]:
+    faults = []
+    given = f"load.tip_force_n = {scene.load.tip_force_n:g}"
+    if scene.load.tip_force_n and scene.blocked:
+        faults.append(f'{given}: a blocked tip takes no force: it must be 0, or load.tip = "free"')
+    if scene.load.tip_force_n and scene.geometry.tip != "rigid":
+        faults.append(f'{given}: a force acts on a rigid plate: set geometry.tip = "rigid"')
+    if "tip_force_n" in scene.ask.quantities and not scene.blocked:
+        faults.append('ask.quantities: "tip_force_n" of a free tip is what is given: set load.tip = "blocked"')
+    return faults
 
 
 def material_faults(

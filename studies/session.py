@@ -12,7 +12,7 @@ from mpi4py import MPI
 
 from meshes.bellows import FloatArray
 from studies import provenance
-from studies.compare import scene_rows, validity_notes
+from studies.compare import main_quantity, scene_rows, validity_notes
 from studies.pictures import RingBox
 from studies.plan import MERIDIAN_LEVELS, Plan
 from studies.progress import Progress
@@ -55,7 +55,8 @@ class SceneResult:
     @property
     def headlines(self) -> tuple[Row, ...]:
         """Rows for a terminal: what was asked."""
-        return tuple(r for r in self.rows if r.quantity == "tip_mm")
+        wanted = {main_quantity(self.scene), *self.scene.ask.quantities}
+        return tuple(r for r in self.rows if r.quantity in wanted)
 
 
 def run_plan(
@@ -106,7 +107,8 @@ def run_plan(
 
 def _within_tolerance(scene: Scene, runs: Sequence[Run]) -> bool:
     """True if the finest run's uncertainty from its two levels is within the scene's tolerance everywhere."""
-    rows = [r for r in scene_rows(scene, runs) if r.rung == "axisymmetric" and r.quantity == "tip_mm"]
+    wanted = main_quantity(scene)
+    rows = [r for r in scene_rows(scene, runs) if r.rung == "axisymmetric" and r.quantity == wanted]
     finest = [r for r in rows if r.level == runs[-1].summary.level]
     return all(r.uncertainty <= 0.01 * scene.ask.tolerance_percent * abs(r.value) for r in finest)
 
