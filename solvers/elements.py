@@ -11,6 +11,8 @@ from typing import Any, Literal
 
 import ufl
 
+from solvers.errors import SolverError
+
 
 @dataclass(frozen=True)
 class Element:
@@ -32,8 +34,20 @@ class Element:
     pressure: Literal["continuous", "linear", "constant"]
 
     def spaces(self, cell: Any) -> Any:
-        """The mixed UFL element on a UFL cell."""
+        """The mixed UFL element on a UFL cell.
+
+        Raises
+        ------
+        SolverError
+            For a pair with too many pressures: they oscillate from cell to cell.
+        """
         box = cell.cellname() in ("quadrilateral", "hexahedron")
+        enough = self.displacement_degree > 1 and (box or self.pressure != "linear")
+        if not enough and self.pressure != "constant":
+            raise SolverError(
+                f"{self.name}: displacements of degree {self.displacement_degree} with {self.pressure} pressures "
+                f"are unstable on a {cell.cellname()}: take one of {P2_P1.name}, {P2_P0.name}, {Q2_P1.name}"
+            )
         family, degree = {
             "continuous": ("Lagrange", 1),
             "linear": ("DPC" if box else "DG", 1),
