@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from studies.__main__ import main
-from studies.plan import around_levels, describe, make_plan
+from studies.plan import around_for, describe, make_plan
 from studies.results import read_path, read_summary
 from studies.scene import in_hexahedra, load_scene
 from studies.sections import SceneError
@@ -132,5 +132,13 @@ def test_sector_of_tetrahedra_is_refused_and_nothing_written(write) -> None:
 def test_plan_names_cells_and_what_a_sector_cannot_see(write) -> None:
     scene = load_scene(write("planned"))
     text = describe(scene, make_plan(scene, "sector"))
-    assert f"a quarter in 3D, hexahedra, meridian level r1, {around_levels(scene)[1]} cells round" in text
+    assert f"a quarter in 3D, hexahedra, meridian level r1, {around_for(scene, 'sector')} cells round" in text
     assert "a sector's count of unstable modes cannot see them" in text
+
+
+@pytest.mark.parametrize(("percent", "full", "sector"), [(2.0, 6, 8), (1.0, 8, 8), (0.3, 12, 12), (0.01, 12, 12)])
+def test_cells_round_follow_the_tolerance(write, percent: float, full: int, sector: int) -> None:
+    scene = load_scene(write("asked"))
+    asked = scene.model_copy(update={"ask": scene.ask.model_copy(update={"tolerance_percent": percent})})
+    assert make_plan(asked, "full3d").around_levels == (full,)
+    assert make_plan(asked, "sector").around_levels == (sector,)
