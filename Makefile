@@ -113,6 +113,10 @@ study-closed-form: check ## chains, mends, validity, laws and exact solutions ->
 benchmark-closed-form: check ## evaluations of the closed form per second, one core -> results/benchmark-closed-form
 	OPENBLAS_NUM_THREADS=1 $(PYTHON) -m studies benchmark-closed-form --out results/benchmark-closed-form
 
+.PHONY: benchmark-solver
+benchmark-solver: check ## cost of tangent, factor, iteration, warm and cold start; NP ranks -> results/benchmark-solver
+	$(LAUNCH) -m studies benchmark-solver --out results/benchmark-solver
+
 .PHONY: study-dimensions
 study-dimensions: check ## what fits the unprinted dimensions, which three sets are used -> results/dimensions
 	$(PYTHON) -m studies dimensions --out results/dimensions

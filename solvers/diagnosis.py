@@ -80,7 +80,8 @@ def failed_steps(
             f"{at}; give the geometry a small imperfection in the critical mode to follow the other branch"
         )
     more = f"; on the way: {lost}" if lost else ""
-    return failure.cause, f"{failure.cause}: {failure}; {at}{more}; {REMEDY[failure.cause]}"
+    kind = "" if failure.cause is Cause.MATERIAL_RANGE else f"{failure.cause}: "  # its message names itself
+    return failure.cause, f"{kind}{failure}; {at}{more}; {REMEDY[failure.cause]}"
 
 
 def too_large(multiple: float, highest: PathPoint, asked_mpa: float, crossing: Crossing | None) -> tuple[Cause, str]:

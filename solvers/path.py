@@ -147,9 +147,20 @@ class _Follower:
             report = solve_equilibrium(problem, self.factor, settings, volume_mm3=aim.value, on_iteration=seen)
         else:
             report = solve_equilibrium(problem, self.factor, settings, pressure_mpa=aim.value, on_iteration=seen)
-            if problem.cavity_volume() < here.volume_mm3 - 1e-9 * self.unit["volume"]:
-                raise StepFailed("pressure control fell back to a smaller volume")
+            self.stayed_on_the_path(here)
         return _record(problem, report, aim.asked, aim.control, self.begin)
+
+    def stayed_on_the_path(self, here: PathPoint) -> None:
+        """Refuse a solution at a pressure that lies behind the last state or may lie beyond a snap-through.
+
+        Between two limit points the path turns back in pressure, and a step in pressure jumps over that part without
+        a sign. So it may not change the volume by more than twice the largest step that volume control would take.
+        """
+        change = self.problem.cavity_volume() - here.volume_mm3
+        if change < -1e-9 * self.unit["volume"]:
+            raise StepFailed("pressure control fell back to a smaller volume")
+        if change > 2.0 * self.largest["volume"]:
+            raise StepFailed("a step in pressure changed the volume by more than could be followed")
 
     def step(self, walk: _Walk, aim: _Aim) -> list[PathState]:
         """The aimed-at state, and before it asked pressures that were passed without having been foreseen."""

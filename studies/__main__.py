@@ -19,7 +19,15 @@ from mpi4py import MPI
 from analytical.bellows import BellowsError
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
-from studies import benchmark, closed_form_study, dimension_scenes, dimensions, provenance, session
+from studies import (
+    benchmark,
+    closed_form_study,
+    dimension_scenes,
+    dimensions,
+    provenance,
+    session,
+    solver_benchmark,
+)
 from studies.exact_report import render_exact
 from studies.exact_scene import AnyScene, is_exact, load_any_scene
 from studies.kinds import AnyPlan, description, plan_for, run
@@ -250,6 +258,16 @@ def benchmark_closed_form(out: Path) -> None:
     if MPI.COMM_WORLD.rank == 0:
         found = benchmark.run(out)
         click.echo(f"{benchmark.setting()}\n{as_text(found)}\nrows: {out / 'rows.csv'}")
+
+
+@main.command("benchmark-solver")
+@OUT_OPTION
+def benchmark_solver(out: Path) -> None:
+    """Measure tangent, factorisation and Newton iteration of a full body, and its path from warm and from cold."""
+    _writable(out)
+    ((checked, _),) = _load((provenance.ROOT / "scenes" / "heung-t2-ri5.toml",))
+    assert isinstance(checked, Scene)
+    _out("\n".join(solver_benchmark.run(checked, out)))
 
 
 @main.command()

@@ -12,7 +12,7 @@ import sys
 import numpy as np
 from mpi4py import MPI
 
-from analytical.materials import DRAGON_SKIN_10
+from analytical.materials import DRAGON_SKIN_10, Law, NeoHooke
 from meshes.bellows import BellowsShape
 from meshes.meridian import Resolution, meridian_mesh
 from meshes.revolve import revolve, revolve_scalar, revolve_vector
@@ -30,13 +30,13 @@ SHAPE = BellowsShape(5.0, 10.5, 1.0, 5.0, 1, 3.0, 4.0, 0.5, 5.0)
 SETTINGS = PathSettings(newton=NewtonSettings(relative_tolerance=1e-11))
 
 
-def solver(comm: MPI.Comm, mesh: SolidMesh | None) -> tuple[Problem, Factor]:
+def solver(comm: MPI.Comm, mesh: SolidMesh | None, law: Law = DRAGON_SKIN_10) -> tuple[Problem, Factor]:
     arrays = None if mesh is None else dataclasses.replace(mesh, regions=np.ones_like(mesh.regions))
     domain = create_domain(comm, arrays)
     bodies = RigidBodies(5.0, 2.0, np.ones(domain.nodes), SHAPE.crest_positions_mm, SHAPE.seat_radius_mm)
     held = ((FACETS["axis"], 0),) if domain.axisymmetric else ()
     surfaces = Surfaces(FACETS["cavity"], FACETS["clamped"], FACETS["bond"], held)
-    problem = Problem(domain, DRAGON_SKIN_10, 0.0, surfaces, None, bodies)
+    problem = Problem(domain, law, 0.0, surfaces, None, bodies)
     return problem, Factor(problem)
 
 
@@ -62,6 +62,10 @@ def main() -> None:
     problem.set_state(path.states[-1].state)
     force, on_bodies = problem.internal_force()
     volume = problem.cavity_volume()
+    # a soft neo-Hookean meridian over all ranks loses stability at a limit point
+    soft, soft_factor = solver(comm, meridian if comm.rank == 0 else None, NeoHooke(0.03))
+    crossing = follow_path(soft, soft_factor, [0.02], PathSettings(largest_volume=4.0)).crossing
+    assert crossing is not None and crossing.mode is not None
     if comm.rank == 0:
         point = path.states[-1]
         rim = np.unique(body.facets[body.facet_tags == FACETS["tip"]])
@@ -80,6 +84,10 @@ def main() -> None:
                     "iterations": point.newton.iterations,
                     "excess_negatives": point.newton.excess_negatives,
                     "expected_negatives": problem.expected_negatives,
+                    "limit_mpa": crossing.pressure_mpa,
+                    "limit_mm3": crossing.volume_mm3,
+                    "modes": [crossing.modes_before, crossing.modes_after],
+                    "mode_mm": crossing.mode.displacement_mm[::17].tolist(),
                 }
             )
         )

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 SCRIPT = Path(__file__).with_name("ranks_script.py")
@@ -39,7 +40,13 @@ def test_one_and_two_ranks_agree(root: Path, cells: str) -> None:
     for name in ("tip_mm", "volume_mm3", "energy_mj", "reaction_n", "body_mm", "min_det_f"):
         # Newton to 1e-11; sums in another order
         assert two[name] == pytest.approx(one[name], rel=1e-9), name
-    for name in ("iterations", "excess_negatives", "expected_negatives"):
+    # Newton to 1e-8 of the load; the pressure is stationary at the limit point, the volume bisected to 1e-3 of a step
+    assert two["limit_mpa"] == pytest.approx(one["limit_mpa"], rel=1e-8)
+    assert two["limit_mm3"] == pytest.approx(one["limit_mm3"], rel=1e-6)
+    assert one["modes"] == [0, 1]
+    # the same random start in the caller's numbering; inverse iteration to 1e-6 of the stiffness, 1e-3 of the mode
+    assert np.abs(np.array(two["mode_mm"]) - np.array(one["mode_mm"])).max() < 1e-3
+    for name in ("iterations", "excess_negatives", "expected_negatives", "modes"):
         assert two[name] == one[name], name
     assert one["excess_negatives"] == 0
     for answer in (one, two):

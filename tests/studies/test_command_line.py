@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+import pyvista
 from click.testing import CliRunner
 
 from studies import runs
@@ -63,8 +66,6 @@ def test_rows_state_uncertainty_beside_every_fem_value(solved):
 
 
 def test_fields_open_and_carry_the_stretch(solved):
-    import pyvista
-
     files = sorted((solved / "full3d-n8" / "fields").glob("*.vtu"))
     assert [f.name for f in files] == ["p05.000.vtu", "p10.000.vtu"]
     grid = pyvista.read(files[-1])
@@ -208,6 +209,34 @@ def test_stopped_run_exits_3_and_keeps_its_states(small_scene, tmp_path, monkeyp
     assert all(r.status.startswith("stopped at") and r.value != r.value for r in last)
     assert read_summary(out).status == "stopped"
     assert read_summary(out).reason
+
+
+@pytest.mark.parametrize("control", ["volume", "pressure"])
+def test_loss_of_stability_is_in_the_summary_with_its_mode(small_scene, tmp_path, monkeypatch, control):
+    monkeypatch.setattr("studies.plan.MERIDIAN_LEVELS", (1,))
+    text = small_scene.read_text().replace("[5.0, 10.0]", "[5.0, 60.0]").replace('"auto"', f'"{control}"')
+    material = '[material]\nlaw = "neo-hooke"\nmu_kpa = 30.0\n'
+    scene = tmp_path / "soft.toml"
+    scene.write_text(re.sub(r"\[material\].*?(?=\[load\])", material + "\n", text, flags=re.S), encoding="utf-8")
+    out = tmp_path / "out"
+    result = CliRunner().invoke(main, ["solve", str(scene), "--out", str(out), "--rung", "axisymmetric"])
+    assert result.exit_code == 3, result.output
+    summary = read_summary(out)
+    assert summary.cause == "limit point"
+    assert {row.control for row in read_path(out)[:3]} == {control}
+    if control == "pressure":
+        assert summary.crossing == {}
+        assert "limit point near" in summary.reason
+        assert not (out / "axisymmetric-r1" / "critical_mode.npz").exists()
+        return
+    assert summary.crossing["kind"] == "limit point"
+    assert f"limit point at {summary.crossing['pressure_kpa']:.6g} kPa" in summary.reason
+    with np.load(out / "axisymmetric-r1" / "critical_mode.npz") as mode:
+        assert np.abs(mode["mode_mm"]).max() == pytest.approx(1.0)
+        assert mode["mode_mm"].shape == mode["points_mm"].shape == mode["displacement_mm"].shape
+        assert 1e3 * float(mode["load_mpa"]) == pytest.approx(summary.crossing["pressure_kpa"], rel=1e-4)
+    grid = pyvista.read(out / "axisymmetric-r1" / "critical_mode.vtu")
+    assert grid.point_data["mode_mm"].shape == (grid.n_points, 3)
 
 
 def test_batch_shares_scenes_over_ranks(small_scene, tmp_path):
