@@ -125,8 +125,8 @@ def make_plan(scene: Scene, rung: Rung | None = None, around: tuple[int, ...] = 
         skipped.append("modes that break the symmetry: a sector's count of unstable modes cannot see them")
     if not around:
         skipped.append(
-            f"more cells round the circumference than a tolerance of {scene.ask.tolerance_percent:g} % needs: a tenth of "
-            "it is left to them"
+            f"more cells round the circumference than a tolerance of {scene.ask.tolerance_percent:g} % needs: a tenth "
+            "of it is left to them"
         )
     skipped.append("load steps of the 3D run: each asked pressure starts from the axisymmetric state, revolved")
     return Plan(chosen, MERIDIAN_LEVELS, around or (around_for(scene, chosen),), False, tuple(skipped))
