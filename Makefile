@@ -6,7 +6,7 @@ SHELL := /bin/bash
 PYTHON := .venv/bin/python
 MPIRUN ?= /usr/bin/mpirun
 SCENES ?= $(wildcard scenes/*.toml)
-EXAMPLES ?= study closed-form dimensions
+EXAMPLES ?= study exact closed-form dimensions
 
 # --- ranks and threads ----------------------------------------------------------------------
 # One rank: BLAS may use all cores. Several ranks: one thread each, or they fight for the cores.
@@ -101,6 +101,10 @@ batch: check ## run SCENES (default scenes/*.toml) -> results/batch
 report: check ## render the report of results/study again from its rows
 	$(PYTHON) -m studies report results/study
 
+.PHONY: study-exact
+study-exact: check ## bodies with exact answers, every model of each -> results/exact
+	$(LAUNCH) -m studies exact --out results/exact
+
 .PHONY: study-closed-form
 study-closed-form: check ## chains, mends, validity, laws and exact solutions -> results/closed-form
 	$(PYTHON) -m studies closed-form --out results/closed-form
@@ -108,6 +112,10 @@ study-closed-form: check ## chains, mends, validity, laws and exact solutions ->
 .PHONY: benchmark-closed-form
 benchmark-closed-form: check ## evaluations of the closed form per second, one core -> results/benchmark-closed-form
 	OPENBLAS_NUM_THREADS=1 $(PYTHON) -m studies benchmark-closed-form --out results/benchmark-closed-form
+
+.PHONY: benchmark-solver
+benchmark-solver: check ## cost of tangent, factor, iteration, warm and cold start; NP ranks -> results/benchmark-solver
+	$(LAUNCH) -m studies benchmark-solver --out results/benchmark-solver
 
 .PHONY: study-dimensions
 study-dimensions: check ## what fits the unprinted dimensions, which three sets are used -> results/dimensions

@@ -60,7 +60,8 @@ def mesh_quality(mesh: SolidMesh) -> MeshQuality:
     values = np.abs(jacobians(mesh.points, mesh.cells))
     simplices = mesh.cell.corners == mesh.dimension + 1
     boundary = np.zeros(len(mesh.points), dtype=bool)
-    boundary[mesh.facets[mesh.facet_tags != FACETS["axis"]].ravel()] = True
+    inside = [FACETS[name] for name in ("axis", "symmetry_x", "symmetry_y", "symmetry_z")]
+    boundary[mesh.facets[~np.isin(mesh.facet_tags, inside)].ravel()] = True
     corners = mesh.cells[:, : mesh.cell.corners]
     return MeshQuality(
         cells=len(mesh.cells),

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
 
 from solvers.errors import Cause
 from solvers.newton import NewtonReport, NewtonSettings
+from solvers.problem import Problem
 from solvers.state import State
 
 Control = Literal["pressure", "volume"]
@@ -95,6 +97,22 @@ class PathState:
     bond_slip_mm: float
     newton: NewtonReport
     wall_s: float
+
+
+def record(problem: Problem, report: NewtonReport, asked: bool, control: Control, start: float) -> PathState:
+    """The problem's current state as a converged state of a path that began at ``start`` (perf_counter)."""
+    return PathState(
+        state=problem.get_state(),
+        asked=asked,
+        control=control,
+        volume_mm3=problem.cavity_volume(),
+        energy_mj=problem.energy(),
+        reaction_n=problem.reaction(),
+        end_force_n=problem.end_force(),
+        bond_slip_mm=float("nan") if problem.bonded is None else problem.bonded.rms_slip_mm(),
+        newton=report,
+        wall_s=time.perf_counter() - start,
+    )
 
 
 @dataclass(frozen=True)

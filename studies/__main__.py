@@ -19,8 +19,17 @@ from mpi4py import MPI
 from analytical.bellows import BellowsError
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
-from studies import benchmark, closed_form_study, dimension_scenes, dimensions, provenance, session
-from studies.exact_scene import AnyScene, load_any_scene
+from studies import (
+    benchmark,
+    closed_form_study,
+    dimension_scenes,
+    dimensions,
+    provenance,
+    session,
+    solver_benchmark,
+)
+from studies.exact_report import render_exact
+from studies.exact_scene import AnyScene, is_exact, load_any_scene
 from studies.kinds import AnyPlan, description, plan_for, run
 from studies.plan import RUNGS, Rung, around_levels, make_plan
 from studies.progress import Progress
@@ -114,8 +123,8 @@ def solve(scene: Path, out: Path, rung: Rung | None) -> None:
     sys.exit(_solve(checked, text, plan_for(checked, rung), out, MPI.COMM_WORLD))
 
 
-def _solve(scene: AnyScene, text: str, plan: AnyPlan, out: Path, comm: MPI.Comm) -> int:
-    """Run a plan, print its rows; returns the exit code."""
+def _solve(scene: AnyScene, text: str, plan: AnyPlan | None, out: Path, comm: MPI.Comm) -> int:
+    """Run a plan (None: every model a body with an exact answer has), print its rows; returns the exit code."""
     progress = Progress(comm)
     try:
         result = run(scene, text, plan, out, comm, progress)
@@ -198,6 +207,19 @@ def study(out: Path, smoke: bool) -> None:
     sys.exit(code)
 
 
+@main.command("exact")
+@OUT_OPTION
+def exact_command(out: Path) -> None:
+    """Solve scenes/exact with every model each body has, beside the exact answers; write the report."""
+    scenes = _load(tuple(sorted((provenance.ROOT / "scenes" / "exact").glob("*.toml"))))
+    _writable(out)
+    code = max(_solve(scene, text, None, out / scene.name, MPI.COMM_WORLD) for scene, text in scenes)
+    if MPI.COMM_WORLD.rank == 0:
+        _report(out)
+    MPI.COMM_WORLD.barrier()
+    sys.exit(code)
+
+
 @main.command("closed-form")
 @OUT_OPTION
 def closed_form(out: Path) -> None:
@@ -238,6 +260,16 @@ def benchmark_closed_form(out: Path) -> None:
         click.echo(f"{benchmark.setting()}\n{as_text(found)}\nrows: {out / 'rows.csv'}")
 
 
+@main.command("benchmark-solver")
+@OUT_OPTION
+def benchmark_solver(out: Path) -> None:
+    """Measure tangent, factorisation and Newton iteration of a full body, and its path from warm and from cold."""
+    _writable(out)
+    ((checked, _),) = _load((provenance.ROOT / "scenes" / "heung-t2-ri5.toml",))
+    assert isinstance(checked, Scene)
+    _out("\n".join(solver_benchmark.run(checked, out)))
+
+
 @main.command()
 @click.argument("folder", type=click.Path(path_type=Path, exists=True, file_okay=False))
 def report(folder: Path) -> None:
@@ -256,8 +288,14 @@ def _report(folder: Path) -> None:
     if not folders:
         click.echo(f"{folder}: holds no scene results; run solve, batch or study first", err=True)
         sys.exit(BAD_INPUT)
-    page = session.render(folder, TITLE, INTRODUCTION, folders)
-    click.echo(f"report: {page}")
+    exact = [p for p in folders if is_exact(p / session.SCENE_FILE)]
+    bellows = [p for p in folders if p not in exact]
+    if bellows:
+        click.echo(f"report: {session.render(folder, TITLE, INTRODUCTION, bellows)}")
+    if exact:  # beside bellows, a page of its own
+        place = folder / "exact" if bellows else folder
+        place.mkdir(exist_ok=True)
+        click.echo(f"report: {render_exact(place, exact)}")
 
 
 def _end_all_ranks(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:

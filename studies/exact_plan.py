@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from meshes.user_mesh import read_user_mesh
-from studies.exact_scene import ExactScene, MeshGeometry
+from studies.exact_scene import ExactScene, MeshGeometry, TubeGeometry
 from studies.plan import Rung
 from studies.sections import SceneError
 
@@ -66,7 +66,7 @@ def make_exact_plan(scene: ExactScene, rung: Rung | None = None) -> ExactPlan:
     SceneError
         If the rung cannot be had for the scene.
     """
-    allowed = _rungs(scene)
+    allowed = rungs_of(scene)
     chosen = rung or allowed[0]
     if chosen not in allowed:
         why = NOT_COMPUTED if chosen == "closed_form" else f"a {scene.geometry.kind} has {', '.join(allowed)}"
@@ -83,6 +83,8 @@ def make_exact_plan(scene: ExactScene, rung: Rung | None = None) -> ExactPlan:
         skipped.append("the lower half: the equator's plane is one of symmetry")
     if kind == "ring":
         skipped.append("the third dimension: a slice of one cell, its faces held in their planes (plane strain)")
+    if isinstance(scene.geometry, TubeGeometry) and scene.geometry.ends == "capped":
+        skipped.append("the cap: a level plate on a stiff layer that moves the bore by 1e-5 of it, which ± leaves out")
     levels: tuple[str, ...]
     if kind in ("tube", "sphere"):
         levels = MERIDIAN_LEVELS if chosen == "axisymmetric" else AROUND_LEVELS[cells_of(scene, chosen)]
@@ -108,7 +110,7 @@ def describe_exact(scene: ExactScene, plan: ExactPlan) -> str:
     return "\n".join([*lines, *(f"skipped: {reason}" for reason in plan.skipped)])
 
 
-def _rungs(scene: ExactScene) -> tuple[Rung, ...]:
+def rungs_of(scene: ExactScene) -> tuple[Rung, ...]:
     """Models a scene has, the cheapest first."""
     g = scene.geometry
     if isinstance(g, MeshGeometry):

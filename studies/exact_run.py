@@ -224,7 +224,8 @@ def _measured(scene: ExactScene, mesh: SolidMesh, folder: Path, run: Run) -> dic
         saved = load_state(folder, run.summary.content_hash, 1e-3 * row.pressure_kpa) if row.status == "asked" else None
         if saved is not None:
             out[row.pressure_kpa] = {name: function(saved[0]) for name, function in functions.items()}
-            out[row.pressure_kpa]["volume_mm3"] = row.volume_mm3
+            if scene.geometry.kind == "mesh":
+                out[row.pressure_kpa]["volume_mm3"] = row.volume_mm3
     return out
 
 

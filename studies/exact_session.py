@@ -11,7 +11,7 @@ from pathlib import Path
 from mpi4py import MPI
 
 from studies.exact_answers import exact_bore_mm, exact_crossing_kpa
-from studies.exact_plan import ExactPlan
+from studies.exact_plan import ExactPlan, make_exact_plan, rungs_of
 from studies.exact_run import LIMIT_VOLUME, ExactRun, run_exact
 from studies.exact_scene import ExactScene, TubeGeometry
 from studies.progress import Progress
@@ -36,19 +36,14 @@ class ExactResult:
     rows: tuple[Row, ...]
 
     @property
-    def answer(self) -> ExactRun:
-        """The run whose result is the answer."""
-        return self.runs[-1]
-
-    @property
     def reached(self) -> bool:
-        """True if the answer reached every asked load."""
-        return self.answer.run.summary.status == "reached"
+        """True if every run reached every asked load."""
+        return all(run.run.summary.status == "reached" for run in self.runs)
 
     @property
     def reason(self) -> str:
-        """Why it did not."""
-        return self.answer.run.summary.reason
+        """Why the first that did not, did not."""
+        return next((run.run.summary.reason for run in self.runs if run.run.summary.status != "reached"), "")
 
     @property
     def headlines(self) -> tuple[Row, ...]:
@@ -82,6 +77,26 @@ def run_exact_plan(
             shutil.copyfile(source / name, folder / name)
     comm.barrier()
     return result
+
+
+def run_all_models(scene: ExactScene, scene_text: str, folder: Path, comm: MPI.Comm, progress: Progress) -> ExactResult:
+    """Run a scene with every model it has, all levels of each, into one folder.
+
+    Returns
+    -------
+    ExactResult
+        Its rows are those of all models.
+    """
+    results = []
+    for rung in rungs_of(scene):
+        plan = make_exact_plan(scene, rung)
+        results.append(run_exact_plan(scene, scene_text, plan, folder, comm, progress))
+    runs = tuple(run for result in results for run in result.runs)
+    rows = tuple(r for result in results for r in result.rows)
+    if comm.rank == 0:
+        write_rows(folder / ROWS_FILE, rows)
+    comm.barrier()
+    return ExactResult(scene, runs, rows)
 
 
 def _within_tolerance(scene: ExactScene, runs: Sequence[ExactRun]) -> bool:

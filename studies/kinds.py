@@ -8,7 +8,7 @@ from mpi4py import MPI
 
 from studies.exact_plan import ExactPlan, describe_exact, make_exact_plan
 from studies.exact_scene import AnyScene, ExactScene
-from studies.exact_session import ExactResult, run_exact_plan
+from studies.exact_session import ExactResult, run_all_models, run_exact_plan
 from studies.plan import Plan, Rung, describe, make_plan
 from studies.progress import Progress
 from studies.session import SceneResult, run_plan
@@ -35,9 +35,11 @@ def description(scene: AnyScene, rung: Rung | None = None) -> str:
 
 
 def run(
-    scene: AnyScene, text: str, plan: AnyPlan, folder: Path, comm: MPI.Comm, progress: Progress
+    scene: AnyScene, text: str, plan: AnyPlan | None, folder: Path, comm: MPI.Comm, progress: Progress
 ) -> SceneResult | ExactResult:
-    """Run a scene's plan; see `studies.session.run_plan`."""
+    """Run a scene's plan, or every model a simple body has if there is none; see `studies.session.run_plan`."""
+    if isinstance(scene, ExactScene) and plan is None:
+        return run_all_models(scene, text, folder, comm, progress)
     if isinstance(scene, ExactScene):
         assert isinstance(plan, ExactPlan)
         return run_exact_plan(scene, text, plan, folder, comm, progress)

@@ -220,10 +220,12 @@ def make_problem():
     from solvers.domain import create_domain
     from solvers.problem import Problem, Surfaces
 
-    def make(mesh, law, inverse_kappa=0.0, *, regions=None, stiff=None, bodies=None, element=None, **surfaces):
+    def make(
+        mesh, law, inverse_kappa=0.0, *, regions=None, stiff=None, bodies=None, element=None, frame=None, **surfaces
+    ):
         cells = np.ones(len(mesh.cells), dtype=np.int64) if regions is None else regions
         domain = create_domain(MPI.COMM_SELF, dataclasses.replace(mesh, regions=cells))
-        return Problem(domain, law, inverse_kappa, Surfaces(**surfaces), stiff, bodies, element)
+        return Problem(domain, law, inverse_kappa, Surfaces(**surfaces), stiff, bodies, element, frame=frame)
 
     return make
 

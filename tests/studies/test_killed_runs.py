@@ -15,7 +15,7 @@ import pytest
 from studies.results import PATH_COLUMNS, read_path, read_summary
 
 ROOT = Path(__file__).resolve().parents[2]
-LEVELS = {"axisymmetric": ("axisymmetric-r1", "axisymmetric-r2", "axisymmetric-r4"), "full3d": ("full3d-n12",)}
+LEVELS = {"axisymmetric": ("axisymmetric-r1", "axisymmetric-r2", "axisymmetric-r4"), "full3d": ("full3d-n8",)}
 
 
 @pytest.fixture(scope="module")
