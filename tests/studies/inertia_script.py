@@ -1,4 +1,4 @@
-"""Run under mpirun by test_inertia_on_ranks.py: unstable modes of the 2 mm actuator in full 3D, more than 90,000 unknowns.
+"""Run under mpirun by test_inertia_on_ranks.py: unstable modes of the 2 mm actuator in 3D, more than 90,000 unknowns.
 
 The unloaded shape under a pressure is no equilibrium, but its tangent has many negative pivots to lose.
 """
