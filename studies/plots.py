@@ -72,7 +72,7 @@ class Curve:
     rung, label
         Decides the style; what the legend says.
     pressure_kpa, tip_mm
-        Points in the order they are joined.
+        Points in the order they are joined; of a blocked tip the force in N.
     uncertainty_mm
         Half height of the error bars, mm; NaN draws none, empty means there are none.
     markers
@@ -91,8 +91,10 @@ class Curve:
     stopped_at: tuple[float, float] = (0.0, 0.0)
 
 
-def draw_elongation(path: Path, curves: Sequence[Curve], asked_kpa: Sequence[float]) -> None:
-    """Draw tip displacement (mm) over cavity pressure (kPa).
+def draw_elongation(
+    path: Path, curves: Sequence[Curve], asked_kpa: Sequence[float], label: str = "elongation at the tip, mm"
+) -> None:
+    """Draw tip displacement (mm), or what the label says, over cavity pressure (kPa).
 
     Parameters
     ----------
@@ -102,6 +104,8 @@ def draw_elongation(path: Path, curves: Sequence[Curve], asked_kpa: Sequence[flo
         What to draw, in the order of the legend.
     asked_kpa
         Asked pressures, kPa, at least one; the axis reaches all of them also if no curve does.
+    label
+        Of the vertical axis.
     """
     with figure_file(path, 8.2, 4.9) as figure:
         axes = figure.add_subplot()
@@ -132,7 +136,7 @@ def draw_elongation(path: Path, curves: Sequence[Curve], asked_kpa: Sequence[flo
                 pressure, tip = curve.stopped_at
                 entries += axes.plot(pressure, tip, color=style["color"], label=curve.stopped, zorder=5.0, **look)
         axes.set_xlabel("cavity pressure, kPa")
-        axes.set_ylabel("elongation at the tip, mm")
+        axes.set_ylabel(label)
         drawn = [tip for curve in curves for tip in curve.tip_mm]
         axes.set_xlim(1.04 * min(0.0, *asked_kpa), 1.04 * max(0.0, *asked_kpa))
         axes.set_ylim(bottom=1.04 * min([0.0, *drawn]))

@@ -16,7 +16,7 @@ from studies.pictures import RingBox, Still, draw_states
 from studies.plots import Curve, draw_elongation, draw_overview, draw_times
 from studies.results import PATH_FILE, PathRow, RunSummary, fineness, write_path
 from studies.rows import Row, write_rows
-from studies.tables import REACHED, REFERENCES, TIP, anchor_of, headline, model_label, rung_label
+from studies.tables import REACHED, REFERENCES, TIP, TIP_FORCE, anchor_of, headline, model_label, rung_label
 
 
 @dataclass(frozen=True)
@@ -131,7 +131,9 @@ def _scene(folder: Path, scene: SceneReport) -> dict[str, Any]:
     """What the template shows of a scene; draws its pictures on the way."""
     anchor = anchor_of(scene)
     elongation, states, times = (f"pictures/{anchor}-{name}.png" for name in ("elongation", "states", "times"))
-    draw_elongation(folder / elongation, _curves(scene), scene.pressures_kpa)
+    what = "force at the blocked tip" if tables.quantity_of(scene) == TIP_FORCE else "elongation at the tip"
+    axis = f"{what}, {tables.unit_of(scene)}"
+    draw_elongation(folder / elongation, _curves(scene), scene.pressures_kpa, axis)
     if scene.runs:
         labels = [model_label(run.rung, run.level) for run in scene.runs]
         draw_times(folder / times, labels, tables.seconds_of(scene.runs))
@@ -144,6 +146,8 @@ def _scene(folder: Path, scene: SceneReport) -> dict[str, Any]:
         "title": scene.title,
         "toml": scene.scene_toml.strip(),
         "verdict": verdict(scene),
+        "what": what.split(" at the tip")[0].capitalize(),
+        "unit": tables.unit_of(scene),
         "tips": tables.tips(scene),
         "differences": tables.differences(scene),
         "comparisons": tables.comparisons(scene),
@@ -172,7 +176,9 @@ def _curves(scene: SceneReport) -> list[Curve]:
         reached = [row for row in rows if math.isfinite(row.value)]
         points = [(row.pressure_kpa, row.value) for row in reached]
         bars = [row.uncertainty for row in reached]
-        path = [(state.pressure_kpa, state.tip_mm) for state in tables.finest_path(scene, rung)]
+        force = tables.quantity_of(scene) == TIP_FORCE
+        states = tables.finest_path(scene, rung)
+        path = [(state.pressure_kpa, state.tip_force_n if force else state.tip_mm) for state in states]
         if rung == "axisymmetric" and path:
             points, bars = _from_rest(path), []
         elif not rung.startswith("paper_") and rung != "full3d":
@@ -203,17 +209,18 @@ def _stills(scene: SceneReport) -> list[Still]:
     stills = [Still("unloaded", fields[0][1], deformed=False, rings=scene.rings.get(0.0, ()))]
     for pressure, vtu in fields:
         row = headline(scene, "full3d", pressure)
-        tip = f"\ntip +{row.value:.1f} mm" if row and math.isfinite(row.value) else ""
+        tip = f"\ntip +{row.value:.1f} {row.unit}" if row and math.isfinite(row.value) else ""
         stills.append(Still(f"{pressure:g} kPa{tip}", vtu, rings=scene.rings.get(pressure, ())))
     return stills
 
 
 def _draw_overview(folder: Path, scenes: Sequence[SceneReport]) -> str:
     """Draw all scenes at their highest pressure; the picture's place, empty for a single scene."""
+    scenes = [scene for scene in scenes if tables.quantity_of(scene) == TIP]
     if len(scenes) < 2:
         return ""
     values: dict[tuple[str, str], list[float]] = {}
-    for rung in tables.ordered(row.rung for scene in scenes for row in scene.rows if row.quantity == TIP):
+    for rung in tables.ordered(rung for scene in scenes for rung in tables.rungs_of(scene)):
         rows = [headline(scene, rung, max(scene.pressures_kpa)) for scene in scenes]
         values[rung, rung_label(rung)] = [row.value if row else math.nan for row in rows]
     labels = [f"{scene.name}\n{max(scene.pressures_kpa):g} kPa" for scene in scenes]
@@ -239,7 +246,7 @@ def _files(folder: Path, scene: SceneReport) -> list[tuple[str, str]]:
 
 def _stops(scene: SceneReport) -> list[str]:
     """A sentence per way in which levels did not reach a pressure, with its reason."""
-    stops = [row for row in scene.rows if row.quantity == TIP and row.status != REACHED]
+    stops = [row for row in tables.headlines(scene) if row.status != REACHED]
     found: dict[tuple[str, str], dict[str, None]] = {}
     for row in stops:
         found.setdefault((row.rung, row.status), {})[row.level] = None
@@ -258,7 +265,8 @@ def _instabilities(scene: SceneReport) -> list[str]:
         first = next((state for state in states if state.unstable_modes > 0), None)
         if first:
             model = model_label(*tables.split_key(key))
-            where = f"{first.pressure_kpa:.4g} kPa and {first.tip_mm:.2f} mm"
+            tip = f"{first.tip_mm:.2f} mm" if tables.unit_of(scene) == "mm" else f"{first.tip_force_n:.3f} N"
+            where = f"{first.pressure_kpa:.4g} kPa and {tip}"
             sentences.append(f"{model}: first state with {first.unstable_modes:.0f} unstable at {where}")
     return sentences
 
@@ -277,6 +285,4 @@ def _notes(scene: SceneReport) -> list[str]:
 
 
 def _levels(scenes: Sequence[SceneReport], rung: str) -> list[str]:
-    return sorted(
-        {row.level for s in scenes for row in s.rows if (row.quantity, row.rung) == (TIP, rung)}, key=fineness
-    )
+    return sorted({row.level for s in scenes for row in tables.headlines(s) if row.rung == rung}, key=fineness)

@@ -17,7 +17,7 @@ from studies.rows import Row
 if TYPE_CHECKING:
     from studies.report import SceneReport
 
-TIP = "tip_mm"
+TIP, TIP_FORCE = "tip_mm", "tip_force_n"
 REACHED = "reached"
 MISSING = "–"
 
@@ -68,8 +68,8 @@ def as_text(table: Table) -> str:
 
 
 def summary(scenes: Sequence[SceneReport], verdicts: Sequence[str]) -> Table:
-    """Tip elongation (mm) at each scene's highest asked pressure (kPa), status and verdict; a line per scene."""
-    rungs = ordered(row.rung for scene in scenes for row in scene.rows if row.quantity == TIP)
+    """Tip elongation (mm) or force (N) at each scene's highest asked pressure (kPa), status and verdict."""
+    rungs = ordered(rung for scene in scenes for rung in rungs_of(scene))
     lines = []
     for scene, verdict in zip(scenes, verdicts, strict=True):
         highest = max(scene.pressures_kpa)
@@ -126,7 +126,8 @@ def comparisons(scene: SceneReport) -> Table:
                 lines.append(
                     (model, f"{pressure:g}", _value(row), f"{row.reference:.5g}", error, row.source or MISSING)
                 )
-    header = ("model", "pressure, kPa", "value, mm", "reference, mm", "error, %", "source of the reference")
+    unit = unit_of(scene)
+    header = ("model", "pressure, kPa", f"value, {unit}", f"reference, {unit}", "error, %", "source of the reference")
     return Table(header, tuple(lines), left=(0, 5))
 
 
@@ -134,7 +135,7 @@ def convergence(scene: SceneReport) -> Table:
     """Tip elongation (mm) at each level beside the level's size, so that the discretisation error is seen."""
     lines = []
     for rung in rungs_of(scene):
-        levels = sorted({row.level for row in scene.rows if (row.quantity, row.rung) == (TIP, rung)}, key=fineness)
+        levels = sorted({row.level for row in headlines(scene) if row.rung == rung}, key=fineness)
         if levels == [""]:
             continue
         for level in levels:
@@ -147,13 +148,13 @@ def convergence(scene: SceneReport) -> Table:
             known = (row.uncertainty if row else math.nan for row in bounds)
             texts = (MISSING if math.isnan(bound) else f"± {_up(bound, 3)}" for bound in known)
             lines.append((f"uncertainty of {model_label(rung, levels[-1])}", "", "", "", *texts))
-    header = (f"at {pressure:g} kPa, mm" for pressure in scene.pressures_kpa)
+    header = (f"at {pressure:g} kPa, {unit_of(scene)}" for pressure in scene.pressures_kpa)
     return Table(("model", "cells", "nodes", "unknowns", *header), tuple(lines))
 
 
 def others(scene: SceneReport) -> Table:
     """All quantities but the tip, units in the lines; a line per quantity and model, a column per pressure (kPa)."""
-    rows = [row for row in scene.rows if row.quantity != TIP]
+    rows = [row for row in scene.rows if row.quantity != quantity_of(scene)]
     pressures = sorted({row.pressure_kpa for row in rows if math.isfinite(row.pressure_kpa)})
     has_none = any(not math.isfinite(row.pressure_kpa) for row in rows)
     columns = [*([math.nan] if has_none else []), *pressures]
@@ -242,9 +243,25 @@ def provenance(scenes: Sequence[SceneReport], stamps: Mapping[str, str]) -> Tabl
 # --- rows and levels ------------------------------------------------------------------------
 
 
+def quantity_of(scene: SceneReport) -> str:
+    """What a scene is about: the force at its tip if it is blocked, else the elongation."""
+    return TIP_FORCE if any(row.quantity == TIP_FORCE for row in scene.rows) else TIP
+
+
+def unit_of(scene: SceneReport) -> str:
+    """Unit of what a scene is about."""
+    return "N" if quantity_of(scene) == TIP_FORCE else "mm"
+
+
+def headlines(scene: SceneReport) -> list[Row]:
+    """All rows of what a scene is about."""
+    quantity = quantity_of(scene)
+    return [row for row in scene.rows if row.quantity == quantity]
+
+
 def headline(scene: SceneReport, rung: str, pressure_kpa: float) -> Row | None:
-    """Tip's row (mm) of a rung's finest level at a pressure (kPa), reached or not; None if there is none."""
-    found = [row for row in scene.rows if (row.quantity, row.rung) == (TIP, rung)]
+    """Tip's row (mm, N) of a rung's finest level at a pressure (kPa), reached or not; None if there is none."""
+    found = [row for row in headlines(scene) if row.rung == rung]
     found = [row for row in found if math.isclose(row.pressure_kpa, pressure_kpa)]
     return max(found, key=lambda row: fineness(row.level), default=None)
 
@@ -268,7 +285,7 @@ def ordered(rungs: Iterable[str]) -> list[str]:
 
 def rungs_of(scene: SceneReport) -> list[str]:
     """Rungs that a scene has the tip of, in the order of `RUNGS`."""
-    return ordered(row.rung for row in scene.rows if row.quantity == TIP)
+    return ordered(row.rung for row in headlines(scene))
 
 
 def is_printed(row: Row) -> bool:
@@ -301,16 +318,16 @@ def _modes(states: Sequence[PathRow], pressure_kpa: float) -> str:
 
 
 def _level_value(scene: SceneReport, rung: str, level: str, pressure_kpa: float) -> str:
-    for row in scene.rows:
-        if (row.quantity, row.rung, row.level) == (TIP, rung, level) and math.isclose(row.pressure_kpa, pressure_kpa):
+    for row in headlines(scene):
+        if (row.rung, row.level) == (rung, level) and math.isclose(row.pressure_kpa, pressure_kpa):
             return f"{row.value:.3f}" if math.isfinite(row.value) else short_status(row.status)
     return MISSING
 
 
 def _status(scene: SceneReport) -> str:
     stops: dict[tuple[str, str], dict[str, None]] = {}
-    for row in scene.rows:
-        if row.quantity == TIP and row.status != REACHED:
+    for row in headlines(scene):
+        if row.status != REACHED:
             stops.setdefault((row.rung, short_status(row.status)), {})[row.level] = None
     texts = (f"{model_label(rung, ', '.join(levels))} {status}" for (rung, status), levels in stops.items())
     return "; ".join(texts) or REACHED
@@ -349,15 +366,16 @@ def short_status(status: str) -> str:
 
 
 def _value(row: Row | None) -> str:
-    """Tip, mm, and its uncertainty; printed numbers with the digits they have."""
+    """Tip, mm (or N, which is said), and its uncertainty; printed numbers with the digits they have."""
     if row is None:
         return MISSING
     if not math.isfinite(row.value):
         return short_status(row.status)
     if is_printed(row):
         return f"{row.value:g}"
-    text = f"{row.value:.2f}"
-    return text if math.isnan(row.uncertainty) else f"{text} ± {_up(row.uncertainty, 2)}"
+    digits, unit = (3, " N") if row.unit == "N" else (2, "")
+    text = f"{row.value:.{digits}f}"
+    return f"{text}{unit}" if math.isnan(row.uncertainty) else f"{text} ± {_up(row.uncertainty, digits)}{unit}"
 
 
 def _generic(row: Row) -> str:

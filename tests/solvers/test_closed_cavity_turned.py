@@ -66,7 +66,7 @@ def shuffled(mesh: SolidMesh, seed: int) -> tuple[SolidMesh, np.ndarray]:
     ), new
 
 
-def inflate(mesh: SolidMesh, turn: np.ndarray, pins: tuple[int, int, int]) -> dict[str, float | int]:
+def inflate(mesh: SolidMesh, turn: np.ndarray, pins: tuple[int, int, int]) -> dict[str, float | int | None]:
     """Figures of the body under pressure inside, turned before it is loaded; three nodes hold its free motions."""
     matrix = Rotation.from_rotvec(turn).as_matrix()
     turned = dataclasses.replace(mesh, points=mesh.points @ matrix.T)
@@ -88,7 +88,7 @@ def inflate(mesh: SolidMesh, turn: np.ndarray, pins: tuple[int, int, int]) -> di
 
 
 @pytest.fixture(scope="module")
-def body() -> tuple[SolidMesh, tuple[int, int, int], dict[str, float | int]]:
+def body() -> tuple[SolidMesh, tuple[int, int, int], dict[str, float | int | None]]:
     mesh = hollow()
     ends = [np.zeros(3), np.array([SIZE_MM, 0.0, 0.0]), np.array([0.0, SIZE_MM, 0.0])]
     flat = block((SIZE_MM,) * 3, (3, 3, 3))
@@ -102,7 +102,7 @@ def body() -> tuple[SolidMesh, tuple[int, int, int], dict[str, float | int]]:
 def test_answers_do_not_depend_on_the_orientation(body, name: str) -> None:
     mesh, pins, expected = body
     found = inflate(mesh, SKEW[name], pins)
-    assert expected["volume_mm3"] > 1.2  # inflated from 1 mm3 by so much that rotations of material count
+    assert float(expected["volume_mm3"] or 0) > 1.2  # inflated from 1 mm3 by so much that rotations of material count
     for quantity in ("energy_mj", "volume_mm3", "displacement_mm"):
         # asked 1e-9; Newton's residual is 1e-11 of the load
         assert found[quantity] == pytest.approx(expected[quantity], rel=1e-9), quantity

@@ -79,6 +79,17 @@ def test_rows_have_the_closed_forms_force_and_its_lower_bound(write, whole) -> N
     assert (row.tip_mm, row.tip_force_n) == (0.0, pytest.approx(expected.tip_force_n[0], rel=1e-11))
 
 
+def test_report_of_a_blocked_scene_is_about_the_force(whole) -> None:
+    row, out = whole
+    result = CliRunner().invoke(main, ["report", str(out)])
+    assert result.exit_code == 0, result.output
+    text = (out / "report.md").read_text(encoding="utf-8")
+    assert "### Force at the blocked tip by pressure and model" in text
+    assert f"| {row.tip_force_n:.3f} ± " in text and "### Elongation" not in text
+    assert "Verdict: axisymmetric within" in text
+    assert "extension_force_n" in text  # a buckling wall's, said in a note
+
+
 @pytest.mark.parametrize("tip", ["rigid", "cap"])
 def test_rungs_and_tips_agree_on_the_force(write, whole, tip: str) -> None:
     row, _ = solve(write(f"{tip}-flat", 'tip = "blocked"', tip))
