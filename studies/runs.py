@@ -121,6 +121,16 @@ def begin(
     return job
 
 
+# Begins the note on first touch.
+CONTACT = "contact not modelled"
+
+
+def ending(reason: str, notes: Sequence[str]) -> str:
+    """Why a path ended; if something touched before, that too."""
+    touch = next((note for note in notes if note.startswith(CONTACT)), None)
+    return f"{reason}; {touch}" if reason and touch else reason
+
+
 class Log:
     """Rows, counters and files of a run on its way; what an interrupted run left is read first. Every rank calls.
 
@@ -160,6 +170,7 @@ class Log:
             self.memory, kept = found
             self.rows = [PathRow(**row) for row in kept["rows"]]
             self.factorisations, self.seconds = kept["factorisations"], kept["seconds"]
+            self.notes = list(kept["notes"])
             job.progress.warn(f"{job.label}: going on after {self.rows[-1].pressure_kpa:.6g} kPa, from its checkpoint")
         self._begin = time.perf_counter()
 
@@ -182,7 +193,7 @@ class Log:
             last = self.rows[-1].pressure_kpa if self.rows else 0.0
             r, z = touch.gap.at_mm
             self.notes.append(
-                f"contact not modelled beyond {last:.4g} kPa: {touch.between} touch first between {last:.4g} and "
+                f"{CONTACT} beyond {last:.4g} kPa: {touch.between} touch first between {last:.4g} and "
                 f"{row.pressure_kpa:.4g} kPa, at r = {r:.2f}, z = {z:.2f} mm"
             )
         return dataclasses.replace(row, min_gap_mm=touch.gap.gap_mm)
@@ -200,6 +211,7 @@ class Log:
                 "rows": [asdict(row) for row in self.rows],
                 "factorisations": self.factorisations + factor.count,
                 "seconds": self.seconds + time.perf_counter() - self._begin,
+                "notes": self.notes,
             }
             write_path(self.job.folder, self.rows)
             write_checkpoint(self._file, self.job.content_hash, memory, notes)
@@ -563,7 +575,7 @@ def finish(
             rung=job.rung,
             level=job.level,
             status="reached" if path.reached else "stopped",
-            reason=path.reason,
+            reason=ending(path.reason, notes),
             content_hash=job.content_hash,
             plan=tuple(notes),
             dofs=problem.index_map.size_global + problem.extra,
@@ -586,7 +598,7 @@ def finish(
     summary = comm.bcast(summary)
     assert summary is not None
     last = rows[-1].pressure_kpa if rows else 0.0
-    how = "reached" if path.reached else f"stopped at {last:.2f} kPa: {path.reason}"
+    how = "reached" if path.reached else f"stopped at {last:.2f} kPa: {summary.reason}"
     job.progress.end(
         f"{job.label}: {how}; {summary.dofs} unknowns, {made} factorisations, {summary.time_s['total']:.1f} s"
     )

@@ -11,6 +11,7 @@ from meshes.solid import SolidMesh
 from solvers.state import State
 from studies.build import scene_body, scene_meridian
 from studies.gaps import GapMeter
+from studies.runs import CONTACT, ending
 from studies.scene import Scene, load_scene
 
 
@@ -60,3 +61,10 @@ def test_a_ring_that_turns_goes_into_the_wall_on_one_side(scene: Scene) -> None:
     assert level.between == "wall and ring" and level.gap.gap_mm > 0.0
     state.bodies_mm[1, 4] = 1.2  # mm at the arm: about 5 degrees
     assert meter.measure(state).gap.gap_mm < level.gap.gap_mm - 0.3
+
+
+def test_a_path_that_ends_after_first_touch_says_so() -> None:
+    touch = f"{CONTACT} beyond 10 kPa: folds touch first between 10 and 12 kPa, at r = 9.00, z = 8.00 mm"
+    assert ending("steps became too small", ["warning: x", touch]) == f"steps became too small; {touch}"
+    assert ending("steps became too small", ["warning: x"]) == "steps became too small"
+    assert ending("", [touch]) == ""  # the path did not end early
