@@ -14,7 +14,7 @@ from analytical.bellows_loads import held_tip
 from analytical.chains import closed_form
 from studies.results import fineness
 from studies.rows import Row, row
-from studies.runs import Run
+from studies.run_log import Run
 from studies.scene import Scene, dimensions_of, law_of
 from studies.uncertainty import UNKNOWN, Convergence, convergence, from_two
 

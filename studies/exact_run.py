@@ -29,7 +29,7 @@ from studies.exact_problem import Body, body_of, enclosed_mm3, measures, problem
 from studies.exact_scene import ExactScene, MeshGeometry
 from studies.progress import Progress
 from studies.results import PathRow, write_text_atomically
-from studies.runs import Log, Run, begin, field_file, finish, finished_run, path_row, write_collection
+from studies.run_log import Log, Run, begin, field_file, finish, finished_run, path_row, write_collection
 from studies.states import load_state, save_state
 
 MEASURED_FILE = "measured.json"

@@ -19,7 +19,8 @@ from studies.progress import Progress
 from studies.report import SceneReport, write_report
 from studies.results import PATH_FILE, SUMMARY_FILE, PathRow, fineness, read_path, read_summary
 from studies.rows import Row, write_rows
-from studies.runs import Run, field_files, run_axisymmetric, run_body, run_closed_form
+from studies.run_log import Run, field_files
+from studies.runs import run_axisymmetric, run_body, run_closed_form
 from studies.scene import Scene, load_scene, shape_of
 from studies.states import load_state
 

@@ -11,7 +11,7 @@ from meshes.solid import SolidMesh
 from solvers.state import State
 from studies.build import scene_body, scene_meridian
 from studies.gaps import GapMeter
-from studies.runs import CONTACT, ending
+from studies.run_log import CONTACT, ending
 from studies.scene import Scene, load_scene
 
 
