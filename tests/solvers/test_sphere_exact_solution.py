@@ -56,7 +56,7 @@ def observed_orders(name: str, levels, make_problem, rms_errors) -> np.ndarray:
 @pytest.mark.parametrize("name", LAWS)
 def test_orders_of_the_sphere_in_3d(name: str, make_problem, rms_errors) -> None:
     orders = observed_orders(name, (2, 3, 4), make_problem, rms_errors)
-    # Asked 2.9 and 1.9, of the finer pair: p is still on its way on the coarser one (1.88, 1.86). Measured 3.13 and 1.94
-    # for Yeoh, 3.14 and 1.93 for Ogden.
+    # Asked 2.9 and 1.9, of the finer pair: p is still on its way on the coarser one (1.88, 1.86). Measured 3.13, 1.94
+    # for Yeoh and 3.14, 1.93 for Ogden.
     assert orders[-1, 0] >= 2.9, orders
     assert orders[-1, 1] >= 1.9, orders
