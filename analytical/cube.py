@@ -32,6 +32,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -144,10 +145,8 @@ def equilibria(law: IsotropicLaw, tension_mpa: float) -> tuple[CubeState, ...]:
     undeformed = CubeState(tension_mpa, 1.0)
     # An even count of points has none at l = 1.
     grid = np.geomspace(*_STRETCH_RANGE, _SEARCH_POINTS)
-    try:
+    with suppress(CubeError):  # a branch that does not turn back has no close pairs to miss
         grid = np.sort(np.append(grid, tangent_point(law).stretch))
-    except CubeError:
-        pass  # a branch that does not turn back has no close pairs to miss
 
     def excess(stretch: ArrayLike) -> FloatArray:
         return branch_tension_mpa(law, stretch) - tension_mpa

@@ -56,10 +56,10 @@ class GapMeter:
     def measure(self, state: State) -> Touch:
         """The smallest gap of a state."""
         x = self._points + state.displacement_mm
+        rz = x if x.shape[1] == 2 else np.column_stack([np.hypot(x[:, 0], x[:, 1]), x[:, 2]])
+        depth, reach = _DEPTH * self._shape.wall_mm, 2.0 * self._shape.half_pitch_mm
         smallest = Touch(NO_GAP, "folds")
         for plane in self._planes:
-            rz = x if x.shape[1] == 2 else np.column_stack([np.hypot(x[:, 0], x[:, 1]), x[:, 2]])
-            depth, reach = _DEPTH * self._shape.wall_mm, 2.0 * self._shape.half_pitch_mm
             for outline in plane:
                 gap = smallest_gap(outline, rz, depth, reach)
                 if gap.gap_mm < smallest.gap.gap_mm:
