@@ -1,0 +1,127 @@
+"""The cases of the paper study: scene files, and variants of them that differ in a few keys."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import tomlkit
+
+from analytical.paper import ALTERNATE_FAMILIES, REFERENCE_FAMILY, actuators
+
+Group = Literal["core", "tets", "alternates", "beyond", "convention", "silicone", "blocked", "rings", "bond"]
+
+REFERENCE_SCENES = tuple(actuator.name for actuator in actuators(REFERENCE_FAMILY))
+ALTERNATE_SCENES = tuple(actuator.name for family in ALTERNATE_FAMILIES for actuator in actuators(family))
+THIN, THICK = REFERENCE_SCENES[:2], REFERENCE_SCENES[2:]
+
+BEYOND_KPA = [2.5 * k for k in range(1, 13)]
+DRAGON_SKIN_10 = {"law": "yeoh", "c_kpa": [36.0, 2.5, 0.23]}
+DRAGON_SKIN_30 = {"law": "ogden", "mu_kpa": 75.449, "alpha": 5.836, "convention": "2mu/alpha^2"}
+
+
+@dataclass(frozen=True)
+class Case:
+    """One scene of the study.
+
+    Attributes
+    ----------
+    group
+        What it is there for.
+    name
+        Name of its scene and of its folder within the group's.
+    base
+        Scene file, without its ending, that it is made from.
+    label
+        What a table calls it beside the others of its group.
+    changes
+        Keys that differ from the base, with dots: ``"rings.model": "meshed"``. A whole table replaces the base's.
+    full3d
+        True if it is solved in full 3D too.
+    """
+
+    group: Group
+    name: str
+    base: str
+    label: str
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    full3d: bool = False
+
+    @property
+    def place(self) -> Path:
+        """Folder within the study's."""
+        return Path(self.group, self.name)
+
+
+def _variant(group: Group, base: str, suffix: str, label: str, changes: Mapping[str, Any], full3d: bool = False) -> Case:
+    return Case(group, f"{base}-{suffix}", base, label, changes, full3d)
+
+
+RING_VARIANTS: tuple[tuple[str, str, dict[str, Any]], ...] = (
+    ("ring-rigid", "rigid", {"rings.bond": "rigid"}),
+    ("ring-pla", "meshed PLA", {"rings.model": "meshed", "rings.material": "pla"}),
+    ("ring-polyethylene", "meshed polyethylene", {"rings.model": "meshed", "rings.material": "polyethylene"}),
+)
+
+# Variants of the bond's edge on the actuator that unfolds most.
+BOND_BASES = (REFERENCE_SCENES[0],)
+BOND_VARIANTS: tuple[tuple[str, str, dict[str, Any]], ...] = (
+    ("bond-graded", "adhesive 5 / 2, graded over 1 mm (default)", {}),
+    ("bond-uniform", "adhesive 5 / 2, not graded", {"rings.bond_grading_mm": 0.0}),
+    ("bond-rigid", "rigid bond", {"rings.bond": "rigid"}),
+)
+
+
+def cases() -> tuple[Case, ...]:
+    """All cases, those first that the report is about."""
+    found = [Case("core", name, name, "reference", full3d=True) for name in REFERENCE_SCENES]
+    for base in REFERENCE_SCENES:
+        found.append(_variant("tets", base, "tets", "tetrahedra", {"mesh.element": "tet"}, full3d=True))
+    found += [Case("alternates", name, name, f"alternate {name.split('-')[1]}") for name in ALTERNATE_SCENES]
+    for base in REFERENCE_SCENES:
+        found.append(_variant("beyond", base, "to-30", "to 30 kPa", {"load.pressure_kpa": BEYOND_KPA}))
+        blocked = {"load.tip": "blocked", "ask.quantities": ["tip_force_n"]}
+        found.append(_variant("blocked", base, "blocked", "tip blocked", blocked))
+        found += [
+            _variant("rings", base, suffix, label, {"mesh.element": "tet", **changes})
+            for suffix, label, changes in RING_VARIANTS
+        ]
+    for base in THICK:
+        other = {"material.convention": "mu/alpha"}
+        found.append(_variant("convention", base, "mu-alpha", "Ogden as mu/alpha", other))
+        found.append(_variant("silicone", base, "in-10", "in Dragon Skin 10", {"material": DRAGON_SKIN_10}))
+    found += [
+        _variant("silicone", base, "in-30", "in Dragon Skin 30", {"material": DRAGON_SKIN_30}) for base in THIN
+    ]
+    for base in BOND_BASES:
+        found += [
+            _variant("bond", base, suffix, label, {"load.pressure_kpa": BEYOND_KPA, **changes})
+            for suffix, label, changes in BOND_VARIANTS
+        ]
+    return tuple(found)
+
+
+def case_text(case: Case, scenes: Path) -> str:
+    """The scene file of a case: its base's text, comments kept, with the keys that differ.
+
+    Parameters
+    ----------
+    case
+        One of `cases`.
+    scenes
+        Folder of the scene files.
+    """
+    text = (scenes / f"{case.base}.toml").read_text(encoding="utf-8")
+    if case.name == case.base and not case.changes:
+        return text
+    document = tomlkit.parse(text)
+    document["name"] = case.name
+    for key, value in case.changes.items():
+        *tables, last = key.split(".")
+        table: Any = document
+        for name in tables:
+            table = table[name]
+        table[last] = value
+    return tomlkit.dumps(document)
