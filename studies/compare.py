@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Literal
 
 import numpy as np
@@ -11,18 +11,20 @@ import numpy as np
 from analytical import paper
 from analytical.bellows import BellowsDimensions, BellowsError, with_seat
 from analytical.bellows_loads import held_tip
-from analytical.chains import closed_form
-from studies.results import fineness
-from studies.rows import Row, row
+from analytical.chains import ClosedFormPath, closed_form, closed_form_balanced, closed_form_printed
+from analytical.materials import Law
+from studies.levels import body_level, fineness
+from studies.rows import FOLDED_BACK, REACHED, Row, row
 from studies.run_log import Run
 from studies.scene import Scene, dimensions_of, law_of
-from studies.uncertainty import UNKNOWN, Convergence, convergence, from_two
+from studies.uncertainty import SAFETY_IN_DOUBT, UNKNOWN, Convergence, convergence, from_two
 
 # Order to expect of the tip displacement. In the meridian, quadratic elements would give more than 2 for a smooth
 # solution, but the clamped edge and the ends of the bond are corners. Round the circumference all is smooth.
 MERIDIAN_ORDER, AROUND_ORDER = 2.0, 4.0
 
 
+Chain = Callable[[BellowsDimensions, Law, float], ClosedFormPath]
 # What is asked of a tip, and its unit.
 TipQuantity = Literal["tip_mm", "tip_force_n"]
 UNITS: dict[TipQuantity, str] = {"tip_mm": "mm", "tip_force_n": "N"}
@@ -33,9 +35,9 @@ def main_quantity(scene: Scene) -> TipQuantity:
     return "tip_force_n" if scene.blocked else "tip_mm"
 
 
-def tip_at(run: Run, pressure_kpa: float, quantity: TipQuantity = "tip_mm") -> float:
+def tip_at(run: Run | None, pressure_kpa: float, quantity: TipQuantity = "tip_mm") -> float:
     """Elongation, mm, or force, N, at the tip of a run at an asked pressure; NaN if it was not reached."""
-    for entry in run.path:
+    for entry in run.path if run is not None else ():
         if entry.status == "asked" and math.isclose(entry.pressure_kpa, pressure_kpa, rel_tol=1e-9):
             return entry.tip_mm if quantity == "tip_mm" else entry.tip_force_n
     return math.nan
@@ -111,7 +113,7 @@ def _rows_at(
         value: float,
         level: str = "",
         uncertainty: float = math.nan,
-        status: str = "reached",
+        status: str = REACHED,
     ) -> None:
         of, by = (math.nan, "") if f"{rung} {level}" == source else (reference, source)
         unit = UNITS[quantity]
@@ -123,18 +125,11 @@ def _rows_at(
     for run in axisymmetric:
         value = tip_at(run, pressure, quantity)
         add("axisymmetric", value, run.summary.level, meridian.uncertainty(value), _status(run, value))
-    base = tip_at(axisymmetric[0], pressure, quantity) if axisymmetric else math.nan
-    for runs in (sector, full3d):
-        around = tip_convergence(runs, pressure, AROUND_ORDER, quantity)
-        for run in runs:
-            value = tip_at(run, pressure, quantity)
-            if len(runs) == 1:
-                # one number round: its difference to the same meridian's axisymmetric value bounds its error
-                error_around = 3.0 * abs(value - base)
-            else:
-                error_around = around.uncertainty(value)
-            total = meridian.uncertainty(base) + error_around
-            add(run.summary.rung, value, run.summary.level, total, _status(run, value))
+    for run in [*sector, *full3d]:
+        value = tip_at(run, pressure, quantity)
+        base = tip_at(_on_meridian(run, axisymmetric), pressure, quantity)
+        error_around = _error_around(run, [*sector, *full3d], base, pressure, quantity)
+        add(run.summary.rung, value, run.summary.level, meridian.uncertainty(base) + error_around, _status(run, value))
     if printed is not None and math.isclose(pressure, paper.PRINTED_PRESSURE_KPA):
         add("paper_closed_form", 10.0 * printed.closed_form_cm)
         add("paper_ansys", 10.0 * printed.ansys_cm)
@@ -148,6 +143,28 @@ def _rows_at(
     if quantity == "tip_force_n":
         rows += _least_forces(scene, pressure)
     return rows
+
+
+def _on_meridian(run: Run, axisymmetric: Sequence[Run]) -> Run | None:
+    """The axisymmetric run on the meridian that a body is made from."""
+    level = f"r{body_level(run.summary.level).meridian}"
+    return next((r for r in axisymmetric if r.summary.level == level), None)
+
+
+def _error_around(run: Run, bodies: Sequence[Run], base: float, pressure: float, quantity: TipQuantity) -> float:
+    """What the cells round the circumference leave of error in a body's tip.
+
+    From three numbers of cells round on the same meridian; a sector's tip is that of the whole with as many. Else the
+    difference to the same meridian's axisymmetric tip, to which it would converge, three times.
+    """
+    level = body_level(run.summary.level)
+    alike = [r for r in bodies if body_level(r.summary.level).meridian == level.meridian]
+    own = [r for r in alike if r.summary.rung == run.summary.rung]
+    numbers = {body_level(r.summary.level).around: r for r in [*alike, *own]}  # its own rung's where both have one
+    value = tip_at(run, pressure, quantity)
+    if len(numbers) >= 3:
+        return tip_convergence(list(numbers.values()), pressure, AROUND_ORDER, quantity).uncertainty(value)
+    return SAFETY_IN_DOUBT * abs(value - base)
 
 
 def _checks(scene: Scene, run: Run, pressure: float) -> list[Row]:
@@ -171,34 +188,41 @@ def _checks(scene: Scene, run: Run, pressure: float) -> list[Row]:
 
 def _status(run: Run, value: float) -> str:
     if not math.isnan(value):
-        return "reached"
+        return REACHED
     last = run.path[-1].pressure_kpa if run.path else 0.0
     return f"stopped at {last:.2f} kPa: {run.summary.reason}"
 
 
 def _closed_forms(scene: Scene, pressure_kpa: float) -> list[tuple[str, float, str]]:
-    """(rung, main quantity, status) of the closed form with the nominal and with the free half pitch."""
+    """(rung, main quantity, status) of the closed form: its chains, and the mended one with the free half pitch."""
     nominal = dimensions_of(scene)
-    variants = [("closed_form", nominal)]
+    variants: list[tuple[str, Chain, BellowsDimensions]] = [("closed_form", closed_form, nominal)]
     if scene.rings.model != "none":
-        variants.append(("closed_form_seat", with_seat(nominal, scene.rings.seat_mm)))
+        variants.append(("closed_form_seat", closed_form, with_seat(nominal, scene.rings.seat_mm)))
+    if not scene.blocked:
+        variants.append(("closed_form_printed", closed_form_printed, nominal))
+        variants.append(("closed_form_balanced", closed_form_balanced, nominal))
     out = []
-    for rung, dimensions in variants:
+    for rung, chain, dimensions in variants:
         try:
-            out.append((rung, _closed_form_value(scene, dimensions, pressure_kpa), "reached"))
+            value, status = _closed_form_value(scene, chain, dimensions, pressure_kpa)
+            out.append((rung, value, status))
         except BellowsError as error:
             out.append((rung, math.nan, f"not available: {error}"))
     return out
 
 
-def _closed_form_value(scene: Scene, dimensions: BellowsDimensions, pressure_kpa: float) -> float:
-    """The main quantity of a scene by the closed form, mm or N."""
+def _closed_form_value(
+    scene: Scene, chain: Chain, dimensions: BellowsDimensions, pressure_kpa: float
+) -> tuple[float, str]:
+    """The main quantity of a scene by a chain, mm or N, and in which state the chain is if it is past the model."""
     law = law_of(scene.material)
     if scene.blocked:
-        return float(held_tip(dimensions, law, pressure_kpa).tip_force_n[0])
+        return float(held_tip(dimensions, law, pressure_kpa).tip_force_n[0]), REACHED
     if scene.load.tip_force_n:
         raise BellowsError("it has no force on its tip")
-    return float(closed_form(dimensions, law, pressure_kpa).elongation_mm[0])
+    answer = chain(dimensions, law, pressure_kpa)
+    return float(answer.elongation_mm[0]), FOLDED_BACK if answer.state[0] == "past the model" else REACHED
 
 
 def _least_forces(scene: Scene, pressure_kpa: float) -> list[Row]:

@@ -25,7 +25,7 @@ from solvers.state import State
 from studies.build import element_of
 from studies.exact_plan import cells_of
 from studies.exact_scene import BlockGeometry, ExactScene, MeshGeometry, RingGeometry, SphereGeometry, TubeGeometry
-from studies.results import fineness
+from studies.levels import fineness
 from studies.scene import inverse_kappa, law_of
 
 Held = tuple[tuple[int, int], ...]

@@ -14,10 +14,11 @@ from studies.exact_answers import exact_bore_mm, exact_crossing_kpa
 from studies.exact_plots import Points, draw_against_exact
 from studies.exact_scene import ExactScene
 from studies.exact_session import OF_PATHS
+from studies.levels import fineness
 from studies.pages import duration, write_page
 from studies.plan import RUNGS
 from studies.report import SceneReport
-from studies.results import SUMMARY_FILE, fineness, read_path, read_summary
+from studies.results import SUMMARY_FILE, read_path, read_summary
 from studies.rows import Row, read_rows, write_rows
 from studies.sections import read_toml
 from studies.session import ROWS_FILE, SCENE_FILE

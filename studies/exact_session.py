@@ -14,8 +14,9 @@ from studies.exact_answers import exact_bore_mm, exact_crossing_kpa
 from studies.exact_plan import ExactPlan, make_exact_plan, rungs_of
 from studies.exact_run import LIMIT_VOLUME, ExactRun, run_exact
 from studies.exact_scene import ExactScene, TubeGeometry
+from studies.levels import fineness
 from studies.progress import Progress
-from studies.results import PATH_FILE, SUMMARY_FILE, fineness
+from studies.results import PATH_FILE, SUMMARY_FILE
 from studies.rows import Row, row, write_rows
 from studies.session import ROWS_FILE, SCENE_FILE
 from studies.uncertainty import UNKNOWN, Convergence, convergence, from_two

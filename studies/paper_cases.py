@@ -10,13 +10,17 @@ from typing import Any, Literal
 import tomlkit
 
 from analytical.paper import ALTERNATE_FAMILIES, REFERENCE_FAMILY, actuators
+from studies.levels import BodyLevel
+from studies.plan import MERIDIAN_LEVELS
 
-Group = Literal["core", "tets", "alternates", "beyond", "convention", "silicone", "blocked", "rings", "bond"]
+Group = Literal["core", "tets", "alternates", "beyond", "convention", "silicone", "blocked", "rings", "bond", "audit"]
 
 REFERENCE_SCENES = tuple(actuator.name for actuator in actuators(REFERENCE_FAMILY))
 ALTERNATE_SCENES = tuple(actuator.name for family in ALTERNATE_FAMILIES for actuator in actuators(family))
 THIN, THICK = REFERENCE_SCENES[:2], REFERENCE_SCENES[2:]
 
+# Half of what full 3D may be uncertain by, so that the axisymmetric model is compared with something better than it.
+CORE_TOLERANCE_PERCENT = 0.5
 BEYOND_KPA = [2.5 * k for k in range(1, 13)]
 DRAGON_SKIN_10 = {"law": "yeoh", "c_kpa": [36.0, 2.5, 0.23]}
 DRAGON_SKIN_30 = {"law": "ogden", "mu_kpa": 75.449, "alpha": 5.836, "convention": "2mu/alpha^2"}
@@ -38,6 +42,8 @@ class Case:
         What a table calls it beside the others of its group.
     changes
         Keys that differ from the base, with dots: ``"rings.model": "meshed"``. A whole table replaces the base's.
+    levels
+        Meridian refinements of its axisymmetric runs.
     full3d
         True if it is solved in full 3D too.
     """
@@ -46,7 +52,8 @@ class Case:
     name: str
     base: str
     label: str
-    changes: Mapping[str, Any] = field(default_factory=dict)
+    changes: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    levels: tuple[int, ...] = MERIDIAN_LEVELS
     full3d: bool = False
 
     @property
@@ -55,8 +62,10 @@ class Case:
         return Path(self.group, self.name)
 
 
-def _variant(group: Group, base: str, suffix: str, label: str, changes: Mapping[str, Any], full3d: bool = False) -> Case:
-    return Case(group, f"{base}-{suffix}", base, label, changes, full3d)
+def _variant(
+    group: Group, base: str, suffix: str, label: str, changes: Mapping[str, Any], full3d: bool = False
+) -> Case:
+    return Case(group, f"{base}-{suffix}", base, label, changes, full3d=full3d)
 
 
 RING_VARIANTS: tuple[tuple[str, str, dict[str, Any]], ...] = (
@@ -74,11 +83,28 @@ BOND_VARIANTS: tuple[tuple[str, str, dict[str, Any]], ...] = (
 )
 
 
+# Meridian of the audit: finer than all that the study's uncertainties are told from.
+AUDIT_LEVEL = 8
+# The actuator with a second full 3D mesh, what that is, and the meridian its first guesses are taken from.
+AUDIT_BODY, AUDIT_BODY_LEVEL = REFERENCE_SCENES[0], BodyLevel(12, 3)
+
+
+def audit_cases() -> tuple[Case, ...]:
+    """Finer meshes than the study's, which have to lie within its uncertainties."""
+    found = []
+    for name in (*REFERENCE_SCENES, *ALTERNATE_SCENES):
+        body = name == AUDIT_BODY
+        levels = (AUDIT_BODY_LEVEL.meridian, AUDIT_LEVEL) if body else (AUDIT_LEVEL,)
+        found.append(Case("audit", name, name, "audit", {"ask.fields": False}, levels, full3d=body))
+    return tuple(found)
+
+
 def cases() -> tuple[Case, ...]:
     """All cases, those first that the report is about."""
-    found = [Case("core", name, name, "reference", full3d=True) for name in REFERENCE_SCENES]
-    for base in REFERENCE_SCENES:
-        found.append(_variant("tets", base, "tets", "tetrahedra", {"mesh.element": "tet"}, full3d=True))
+    exactly = {"ask.tolerance_percent": CORE_TOLERANCE_PERCENT}
+    found = [Case("core", name, name, "reference", exactly, full3d=True) for name in REFERENCE_SCENES]
+    in_tets = {"mesh.element": "tet", "ask.fields": False}
+    found += [_variant("tets", base, "tets", "tetrahedra", in_tets, full3d=True) for base in REFERENCE_SCENES]
     found += [Case("alternates", name, name, f"alternate {name.split('-')[1]}") for name in ALTERNATE_SCENES]
     for base in REFERENCE_SCENES:
         found.append(_variant("beyond", base, "to-30", "to 30 kPa", {"load.pressure_kpa": BEYOND_KPA}))
@@ -92,9 +118,7 @@ def cases() -> tuple[Case, ...]:
         other = {"material.convention": "mu/alpha"}
         found.append(_variant("convention", base, "mu-alpha", "Ogden as mu/alpha", other))
         found.append(_variant("silicone", base, "in-10", "in Dragon Skin 10", {"material": DRAGON_SKIN_10}))
-    found += [
-        _variant("silicone", base, "in-30", "in Dragon Skin 30", {"material": DRAGON_SKIN_30}) for base in THIN
-    ]
+    found += [_variant("silicone", base, "in-30", "in Dragon Skin 30", {"material": DRAGON_SKIN_30}) for base in THIN]
     for base in BOND_BASES:
         found += [
             _variant("bond", base, suffix, label, {"load.pressure_kpa": BEYOND_KPA, **changes})

@@ -11,8 +11,14 @@ from studies.sections import SceneError
 Rung = Literal["closed_form", "axisymmetric", "sector", "full3d"]
 RUNGS: tuple[Rung, ...] = ("closed_form", "axisymmetric", "sector", "full3d")
 
-# Meridian refinements for the error estimate; the body of revolution is made from the first.
+# Meridian refinements for the error estimate; a body of revolution is made from the coarsest that is good enough.
 MERIDIAN_LEVELS = (1, 2, 4)
+# Bodies on r4 would not fit the machines this is meant for (24 GB).
+BODY_LEVELS = (1, 2)
+# What a body's meridian may leave of error, of the scene's tolerance.
+MERIDIAN_SHARE = 0.5
+# Cells round the circumference from which a sector tells that part of the error, where they share out to a quarter.
+SECTOR_LEVELS = (8, 16, 24)
 # Cells round the circumference, and what they leave of error at the tip at 20 kPa against the axisymmetric one on the
 # same meridian, percent: measured on the 1 and 2 mm actuators, the larger of the two (docs/decisions.md).
 AROUND_ERROR_PERCENT = {
@@ -48,6 +54,10 @@ class Plan:
         Refinements of the axisymmetric runs, coarsest first.
     around_levels
         Numbers of cells round the circumference of the 3D runs; empty for none.
+    sector_levels
+        The same of a sector beside full 3D, for the circumference's part of the error; empty for none.
+    body_levels
+        Meridians that a body may be made from: the first whose error is within its share of the tolerance, or the last.
     stop_when_met
         True to leave out the last meridian level if the first two already hold the scene's tolerance.
     skipped
@@ -59,9 +69,13 @@ class Plan:
     around_levels: tuple[int, ...]
     stop_when_met: bool
     skipped: tuple[str, ...]
+    sector_levels: tuple[int, ...] = ()
+    body_levels: tuple[int, ...] = BODY_LEVELS
 
 
-def make_plan(scene: Scene, rung: Rung | None = None, around: tuple[int, ...] = ()) -> Plan:
+def make_plan(
+    scene: Scene, rung: Rung | None = None, around: tuple[int, ...] = (), sectors: tuple[int, ...] = ()
+) -> Plan:
     """Choose the runs of a scene.
 
     Parameters
@@ -72,6 +86,8 @@ def make_plan(scene: Scene, rung: Rung | None = None, around: tuple[int, ...] = 
         Force this model; None takes the cheapest whose error can be held within the scene's tolerance.
     around
         Numbers of cells round the circumference for 3D; default what the scene's tolerance needs.
+    sectors
+        The same for a sector beside full 3D.
 
     Returns
     -------
@@ -129,7 +145,11 @@ def make_plan(scene: Scene, rung: Rung | None = None, around: tuple[int, ...] = 
             "of it is left to them"
         )
     skipped.append("load steps of the 3D run: each asked pressure starts from the axisymmetric state, revolved")
-    return Plan(chosen, MERIDIAN_LEVELS, around or (around_for(scene, chosen),), False, tuple(skipped))
+    skipped.append(
+        f"finer meridians of the body than a tolerance of {scene.ask.tolerance_percent:g} % needs: half of "
+        "it is left to the meridian, as the axisymmetric levels show it"
+    )
+    return Plan(chosen, MERIDIAN_LEVELS, around or (around_for(scene, chosen),), False, tuple(skipped), sectors)
 
 
 def describe(scene: Scene, plan: Plan) -> str:
@@ -142,9 +162,10 @@ def describe(scene: Scene, plan: Plan) -> str:
         lines.append(f"  axisymmetric, meridian level r{level}: path from 0 through {pressures} kPa{maybe}")
     body = "a quarter in 3D" if plan.rung == "sector" else "full 3D"
     cells = "hexahedra" if in_hexahedra(scene) else "tetrahedra"
+    levels = " or ".join(f"r{level}" for level in plan.body_levels)
+    for around in plan.sector_levels:
+        lines.append(f"  a quarter in 3D, {cells}, meridian level {levels}, {around} cells round: {pressures} kPa")
     for around in plan.around_levels:
-        lines.append(
-            f"  {body}, {cells}, meridian level r{plan.meridian_levels[0]}, {around} cells round: {pressures} kPa"
-        )
+        lines.append(f"  {body}, {cells}, meridian level {levels}, {around} cells round: {pressures} kPa")
     lines += [f"skipped: {reason}" for reason in plan.skipped]
     return "\n".join(lines)

@@ -11,12 +11,13 @@ from typing import Any
 from urllib.parse import quote
 
 from studies import tables
+from studies.levels import ranking
 from studies.pages import duration, write_page
 from studies.pictures import RingBox, Still, draw_states
 from studies.plots import Curve, draw_elongation, draw_overview, draw_times
-from studies.results import PATH_FILE, PathRow, RunSummary, fineness, write_path
-from studies.rows import Row, write_rows
-from studies.tables import REACHED, REFERENCES, TIP, TIP_FORCE, anchor_of, headline, model_label, rung_label
+from studies.results import PATH_FILE, PathRow, RunSummary, write_path
+from studies.rows import Row, is_reached, write_rows
+from studies.tables import REFERENCES, TIP, TIP_FORCE, anchor_of, headline, model_label, rung_label
 
 
 @dataclass(frozen=True)
@@ -183,7 +184,7 @@ def _curves(scene: SceneReport) -> list[Curve]:
             points, bars = _from_rest(path), []
         elif not rung.startswith("paper_") and rung != "full3d":
             points, bars = _from_rest(points), []
-        stop = next((row.status for row in rows if row.status != REACHED), "")
+        stop = next((row.status for row in rows if not is_reached(row)), "")
         end = (path or _from_rest(points))[-1]
         curves.append(
             Curve(
@@ -246,7 +247,7 @@ def _files(folder: Path, scene: SceneReport) -> list[tuple[str, str]]:
 
 def _stops(scene: SceneReport) -> list[str]:
     """A sentence per way in which levels did not reach a pressure, with its reason."""
-    stops = [row for row in tables.headlines(scene) if row.status != REACHED]
+    stops = [row for row in tables.headlines(scene) if not is_reached(row)]
     found: dict[tuple[str, str], dict[str, None]] = {}
     for row in stops:
         found.setdefault((row.rung, row.status), {})[row.level] = None
@@ -285,4 +286,4 @@ def _notes(scene: SceneReport) -> list[str]:
 
 
 def _levels(scenes: Sequence[SceneReport], rung: str) -> list[str]:
-    return sorted({row.level for s in scenes for row in tables.headlines(s) if row.rung == rung}, key=fineness)
+    return sorted({row.level for s in scenes for row in tables.headlines(s) if row.rung == rung}, key=ranking)

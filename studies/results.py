@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import math
-import re
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
@@ -52,7 +51,7 @@ class RunSummary:
     Attributes
     ----------
     scene, rung, level
-        Which scene, which model, which mesh (``r4``: meridian refined four times; ``n16``: 16 cells round).
+        Which scene, which model, which mesh (`studies.levels`: ``r4``, ``n8r2``).
     status, reason, cause
         ``reached`` (all asked pressures) or ``stopped``, and why: in words, and the kind (solvers.errors.Cause).
     crossing
@@ -104,12 +103,6 @@ class RunSummary:
 
 
 PATH_COLUMNS = tuple(f.name for f in fields(PathRow))
-
-
-def fineness(level: str) -> int:
-    """Number in a level's name (``r4``: 4, ``n24``: 24); 0 if it has none."""
-    found = re.search(r"\d+", level)
-    return int(found[0]) if found else 0
 
 
 def write_text_atomically(path: Path, text: str) -> None:

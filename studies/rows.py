@@ -9,6 +9,10 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
+REACHED = "reached"
+# Of the printed closed form: the root has outgrown the crest, the number means nothing.
+FOLDED_BACK = "reached, folded back"
+
 
 @dataclass(frozen=True)
 class Row:
@@ -65,11 +69,16 @@ def row(
     uncertainty: float = math.nan,
     reference: float = math.nan,
     source: str = "",
-    status: str = "reached",
+    status: str = REACHED,
 ) -> Row:
     """Make a row and fill in its error in percent."""
     error = 100.0 * (value - reference) / abs(reference) if reference else math.nan
     return Row(scene, quantity, unit, pressure_kpa, rung, level, value, uncertainty, reference, source, error, status)
+
+
+def is_reached(entry: Row) -> bool:
+    """True unless a run stopped before the row's pressure, or a closed form has no answer there."""
+    return entry.status.startswith(REACHED)
 
 
 COLUMNS = tuple(f.name for f in fields(Row))

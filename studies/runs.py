@@ -33,6 +33,7 @@ from solvers.state import State
 from studies import provenance
 from studies.build import SECTORS, Tip, masses_g, revolve_state, scene_body, scene_meridian, scene_problem
 from studies.gaps import GapMeter
+from studies.levels import BodyLevel
 from studies.progress import Progress
 from studies.results import (
     PathRow,
@@ -203,7 +204,7 @@ def _solve_axisymmetric(scene: Scene, refinement: int, folder: Path, progress: P
 def run_body(
     scene: Scene,
     rung: Literal["sector", "full3d"],
-    around: int,
+    level: BodyLevel,
     meridian_run: Path,
     folder: Path,
     comm: MPI.Comm,
@@ -216,10 +217,10 @@ def run_body(
     ----------
     rung
         The whole body, or the quarter between two planes of symmetry.
-    around
-        Cells round the circumference, of the whole.
+    level
+        Cells round the circumference, of the whole, and the meridian it is made from.
     meridian_run
-        Folder of the axisymmetric run on level r1, whose states are the first guesses.
+        Folder of the axisymmetric run on that meridian, whose states are the first guesses.
     folder
         Where the run is kept; an interrupted run there goes on after its last state.
 
@@ -227,18 +228,17 @@ def run_body(
     -------
     Run
     """
-    level = f"n{around}"
-    meridian_hash = run_hash(scene, "axisymmetric", "r1")
-    done = comm.bcast(finished_run(folder, run_hash(scene, rung, level)) if comm.rank == 0 else None)
+    meridian_hash = run_hash(scene, "axisymmetric", f"r{level.meridian}")
+    done = comm.bcast(finished_run(folder, run_hash(scene, rung, level.name)) if comm.rank == 0 else None)
     if done is not None:
         if comm.rank == 0:
-            _add_missing_fields(scene, around, folder, done)
+            _add_missing_fields(scene, level, folder, done)
         return done
-    job = _begin(scene, rung, level, folder, plan, progress)
+    job = _begin(scene, rung, level.name, folder, plan, progress)
 
     # Every rank makes the mesh: it takes a second, and all need it to read and to write states.
-    meridian = comm.bcast(scene_meridian(scene, 1) if comm.rank == 0 else None)
-    body = scene_body(meridian, rung, around)
+    meridian = comm.bcast(scene_meridian(scene, level.meridian) if comm.rank == 0 else None)
+    body = scene_body(meridian, rung, level.around)
     guesses: list[State] = []
     for pressure in scene.pressures_mpa:
         saved = comm.bcast(load_state(meridian_run, meridian_hash, pressure) if comm.rank == 0 else None)
@@ -281,13 +281,13 @@ def run_body(
     return _finish(scene, log, problem, factor, path, meridian)
 
 
-def _add_missing_fields(scene: Scene, around: int, folder: Path, run: Run) -> None:
+def _add_missing_fields(scene: Scene, level: BodyLevel, folder: Path, run: Run) -> None:
     """Write the fields of a finished run that was made without them."""
     reached = [row.pressure_kpa for row in run.path if row.status == "asked"]
     missing = [p for p in reached if not field_file(folder, 1e-3 * p).exists()]
     if not scene.ask.fields or not missing:
         return
-    body = scene_body(scene_meridian(scene, 1), run.summary.rung, around)
+    body = scene_body(scene_meridian(scene, level.meridian), run.summary.rung, level.around)
     for pressure in missing:
         saved = load_state(folder, run.summary.content_hash, 1e-3 * pressure)
         if saved is not None:

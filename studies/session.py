@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from mpi4py import MPI
 
 from meshes.bellows import FloatArray
 from studies import provenance
-from studies.compare import main_quantity, scene_rows, validity_notes
+from studies.compare import MERIDIAN_ORDER, main_quantity, scene_rows, tip_at, tip_convergence, validity_notes
+from studies.levels import BodyLevel, fineness, ranking
 from studies.pictures import RingBox
-from studies.plan import MERIDIAN_LEVELS, Plan
+from studies.plan import MERIDIAN_SHARE, Plan
 from studies.progress import Progress
 from studies.report import SceneReport, write_report
-from studies.results import PATH_FILE, SUMMARY_FILE, PathRow, fineness, read_path, read_summary
+from studies.results import PATH_FILE, SUMMARY_FILE, PathRow, read_path, read_summary
 from studies.rows import Row, write_rows
 from studies.run_log import Run, field_files
-from studies.runs import run_axisymmetric, run_body, run_closed_form
+from studies.runs import run_axisymmetric, run_body, run_closed_form, run_hash
 from studies.scene import Scene, load_scene, shape_of
 from studies.states import load_state
 
@@ -86,12 +89,18 @@ def run_plan(
             break
         axisymmetric.append(run_axisymmetric(scene, level, folder / f"axisymmetric-r{level}", comm, progress))
     solid: dict[str, list[Run]] = {"sector": [], "full3d": []}
-    if plan.rung == "sector" or plan.rung == "full3d":
-        base = folder / f"axisymmetric-r{MERIDIAN_LEVELS[0]}"
-        solid[plan.rung] = [
-            run_body(scene, plan.rung, n, base, folder / f"{plan.rung}-n{n}", comm, progress, plan.skipped)
-            for n in plan.around_levels
-        ]
+    if plan.around_levels:
+        meridian = body_meridian(scene, axisymmetric, plan.body_levels)
+        base = folder / f"axisymmetric-r{meridian}"
+
+        def run(of: Scene, rung: Literal["sector", "full3d"], around: int) -> Run:
+            level = BodyLevel(around, meridian)
+            return run_body(of, rung, level, base, folder / f"{rung}-{level.name}", comm, progress, plan.skipped)
+
+        beside = scene.model_copy(update={"ask": scene.ask.model_copy(update={"fields": False})})
+        solid["sector"] = [run(beside, "sector", around) for around in plan.sector_levels]
+        assert plan.rung == "sector" or plan.rung == "full3d"
+        solid[plan.rung] += [run(scene, plan.rung, around) for around in plan.around_levels]
     if plan.rung == "closed_form":
         run_closed_form(scene, folder, comm)
     rows = scene_rows(scene, axisymmetric, **solid)
@@ -106,6 +115,27 @@ def run_plan(
     return result
 
 
+def body_meridian(scene: Scene, axisymmetric: Sequence[Run], levels: Sequence[int]) -> int:
+    """The first meridian whose error, as the axisymmetric runs show it, is within its share of the tolerance, %.
+
+    The last of the levels if none is; only levels that have an axisymmetric run.
+    """
+    allowed = 0.01 * MERIDIAN_SHARE * scene.ask.tolerance_percent
+    quantity = main_quantity(scene)
+    have = [r for r in axisymmetric if fineness(r.summary.level) in levels]
+    for run in have:
+        errors = []
+        for pressure in scene.load.pressure_kpa:
+            value, limit = (
+                tip_at(run, pressure, quantity),
+                tip_convergence(axisymmetric, pressure, MERIDIAN_ORDER, quantity).limit,
+            )
+            errors.append(abs(value - limit) / abs(limit))
+        if all(error <= allowed for error in errors if not math.isnan(error)):
+            return fineness(run.summary.level)
+    return fineness(have[-1].summary.level)
+
+
 def _within_tolerance(scene: Scene, runs: Sequence[Run]) -> bool:
     """True if the finest run's uncertainty from its two levels is within the scene's tolerance everywhere."""
     wanted = main_quantity(scene)
@@ -118,8 +148,15 @@ def _read_run(folder: Path) -> Run:
     return Run(read_summary(folder), tuple(read_path(folder)))
 
 
-def read_scene_folder(folder: Path) -> SceneResult:
+def read_scene_folder(folder: Path, current: bool = False) -> SceneResult:
     """Read a scene's folder back.
+
+    Parameters
+    ----------
+    folder
+        Where `run_plan` has put it.
+    current
+        True to leave out runs of another content: of a scene that has changed since, or of other code.
 
     Raises
     ------
@@ -128,7 +165,9 @@ def read_scene_folder(folder: Path) -> SceneResult:
     """
     scene = load_scene(folder / SCENE_FILE)
     found = [_read_run(p.parent) for p in sorted(folder.glob(f"*-*/{SUMMARY_FILE}"))]
-    runs = sorted(found, key=lambda r: fineness(r.summary.level))
+    if current:
+        found = [r for r in found if r.summary.content_hash == run_hash(scene, r.summary.rung, r.summary.level)]
+    runs = sorted(found, key=lambda r: ranking(r.summary.level))
     axisymmetric = tuple(r for r in runs if r.summary.rung == "axisymmetric")
     sector = tuple(r for r in runs if r.summary.rung == "sector")
     full3d = tuple(r for r in runs if r.summary.rung == "full3d")

@@ -11,14 +11,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from studies.results import PathRow, RunSummary, fineness
-from studies.rows import Row
+from studies.levels import ranking
+from studies.results import PathRow, RunSummary
+from studies.rows import REACHED, Row, is_reached
 
 if TYPE_CHECKING:
     from studies.report import SceneReport
 
 TIP, TIP_FORCE = "tip_mm", "tip_force_n"
-REACHED = "reached"
 MISSING = "–"
 
 # What the report calls a rung, in the order of its columns; rungs not named here follow.
@@ -135,7 +135,7 @@ def convergence(scene: SceneReport) -> Table:
     """Tip elongation (mm) at each level beside the level's size, so that the discretisation error is seen."""
     lines = []
     for rung in rungs_of(scene):
-        levels = sorted({row.level for row in headlines(scene) if row.rung == rung}, key=fineness)
+        levels = sorted({row.level for row in headlines(scene) if row.rung == rung}, key=ranking)
         if levels == [""]:
             continue
         for level in levels:
@@ -263,7 +263,7 @@ def headline(scene: SceneReport, rung: str, pressure_kpa: float) -> Row | None:
     """Tip's row (mm, N) of a rung's finest level at a pressure (kPa), reached or not; None if there is none."""
     found = [row for row in headlines(scene) if row.rung == rung]
     found = [row for row in found if math.isclose(row.pressure_kpa, pressure_kpa)]
-    return max(found, key=lambda row: fineness(row.level), default=None)
+    return max(found, key=lambda row: ranking(row.level), default=None)
 
 
 def seconds_of(runs: Sequence[RunSummary]) -> dict[str, list[float]]:
@@ -296,7 +296,7 @@ def is_printed(row: Row) -> bool:
 def finest_path(scene: SceneReport, rung: str) -> list[PathRow]:
     """All converged states of a rung's finest level; empty if it has none."""
     keys = [key for key in scene.paths if split_key(key)[0] == rung]
-    return scene.paths[max(keys, key=lambda key: fineness(split_key(key)[1]))] if keys else []
+    return scene.paths[max(keys, key=lambda key: ranking(split_key(key)[1]))] if keys else []
 
 
 def split_key(key: str) -> tuple[str, str]:
@@ -327,7 +327,7 @@ def _level_value(scene: SceneReport, rung: str, level: str, pressure_kpa: float)
 def _status(scene: SceneReport) -> str:
     stops: dict[tuple[str, str], dict[str, None]] = {}
     for row in headlines(scene):
-        if row.status != REACHED:
+        if not is_reached(row):
             stops.setdefault((row.rung, short_status(row.status)), {})[row.level] = None
     texts = (f"{model_label(rung, ', '.join(levels))} {status}" for (rung, status), levels in stops.items())
     return "; ".join(texts) or REACHED

@@ -132,7 +132,7 @@ def test_sector_of_tetrahedra_is_refused_and_nothing_written(write) -> None:
 def test_plan_names_cells_and_what_a_sector_cannot_see(write) -> None:
     scene = load_scene(write("planned"))
     text = describe(scene, make_plan(scene, "sector"))
-    assert f"a quarter in 3D, hexahedra, meridian level r1, {around_for(scene, 'sector')} cells round" in text
+    assert f"a quarter in 3D, hexahedra, meridian level r1 or r2, {around_for(scene, 'sector')} cells round" in text
     assert "a sector's count of unstable modes cannot see them" in text
 
 

@@ -1,0 +1,94 @@
+"""The paper study: all its cases run into one folder, and read back from it.
+
+Axisymmetric runs are shared out, one rank each; bodies take all ranks. What is there of the same content is used.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from mpi4py import MPI
+
+from meshes.errors import GeometryError, MeshError
+from solvers.errors import SolverError
+from studies import provenance
+from studies.measures import measured_rows
+from studies.paper_cases import AUDIT_BODY_LEVEL, Case, case_text
+from studies.paper_results import CaseResult, PaperResults
+from studies.plan import SECTOR_LEVELS, make_plan
+from studies.progress import Progress
+from studies.runs import run_axisymmetric, run_body
+from studies.scene import Scene, in_hexahedra, load_scene
+from studies.session import SCENE_FILE, read_scene_folder, run_plan
+
+SCENES = provenance.ROOT / "scenes"
+
+
+def write_scenes(folder: Path, cases: Sequence[Case]) -> None:
+    """Write the scene file of every case into its folder, where it differs from what is there."""
+    for case in cases:
+        file, text = folder / case.place / SCENE_FILE, case_text(case, SCENES)
+        if not file.exists() or file.read_text(encoding="utf-8") != text:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text, encoding="utf-8")
+
+
+def run_cases(folder: Path, cases: Sequence[Case], comm: MPI.Comm, progress: Progress) -> list[str]:
+    """Run cases; every rank calls.
+
+    Returns
+    -------
+    list of str
+        Which runs failed and why, on every rank. A path that ends early is no failure but a result.
+    """
+    if comm.rank == 0:
+        write_scenes(folder, cases)
+    comm.barrier()
+    scenes = {case: load_scene(folder / case.place / SCENE_FILE) for case in cases}
+    faults = _run_axisymmetric(folder, scenes, comm, progress)
+    for case, scene in scenes.items():
+        if case.full3d:
+            faults += _run_bodies(folder / case.place, case, scene, comm, progress)
+    return faults
+
+
+def _run_axisymmetric(folder: Path, scenes: dict[Case, Scene], comm: MPI.Comm, progress: Progress) -> list[str]:
+    """All axisymmetric runs, shared out over the ranks, the longest first."""
+    jobs = sorted(((level, case) for case in scenes for level in case.levels), key=lambda job: -job[0])
+    faults = []
+    for level, case in jobs[comm.rank :: comm.size]:
+        place = folder / case.place / f"axisymmetric-r{level}"
+        try:
+            run_axisymmetric(scenes[case], level, place, MPI.COMM_SELF, progress)
+        except (GeometryError, MeshError, SolverError) as error:
+            faults.append(f"{case.place} r{level}: {error}")
+    return [fault for of_rank in comm.allgather(faults) for fault in of_rank]
+
+
+def _run_bodies(place: Path, case: Case, scene: Scene, comm: MPI.Comm, progress: Progress) -> list[str]:
+    """The bodies of a case, on all ranks."""
+    try:
+        if case.group == "audit":
+            level = AUDIT_BODY_LEVEL
+            base = place / f"axisymmetric-r{level.meridian}"
+            run_body(scene, "full3d", level, base, place / f"full3d-{level.name}", comm, progress, ())
+        else:
+            sectors = SECTOR_LEVELS if in_hexahedra(scene) else ()
+            plan = make_plan(scene, "full3d", sectors=sectors)
+            run_plan(scene, case_text(case, SCENES), plan, place, comm, progress)
+    except (GeometryError, MeshError, SolverError) as error:
+        return [f"{case.place} full3d: {error}"]
+    return []
+
+
+def read_results(folder: Path, cases: Sequence[Case]) -> PaperResults:
+    """What has been run of cases with their present content."""
+    found = []
+    for case in cases:
+        place = folder / case.place
+        if (place / SCENE_FILE).exists():
+            result = read_scene_folder(place, current=True)
+            measured = measured_rows(result.scene, result.axisymmetric, place)
+            found.append(CaseResult(case, place, result, tuple(measured)))
+    return PaperResults(tuple(found))
