@@ -47,7 +47,12 @@ def tip_convergence(
     runs: Sequence[Run], pressure_kpa: float, nominal_order: float, quantity: TipQuantity = "tip_mm"
 ) -> Convergence:
     """Convergence of the tip over the finest levels (three, or two) that reached a pressure."""
-    found = [(1.0 / fineness(r.summary.level), tip_at(r, pressure_kpa, quantity)) for r in runs]
+    return run_convergence(runs, [tip_at(run, pressure_kpa, quantity) for run in runs], nominal_order)
+
+
+def run_convergence(runs: Sequence[Run], values: Sequence[float], nominal_order: float) -> Convergence:
+    """Convergence of a quantity, one value per run, over the finest levels (three, or two) where it is not NaN."""
+    found = [(1.0 / fineness(run.summary.level), value) for run, value in zip(runs, values, strict=True)]
     found = sorted((f for f in found if not math.isnan(f[1])), reverse=True)[-3:]
     sizes, values = [h for h, _ in found], [v for _, v in found]
     if len(found) == 3:
