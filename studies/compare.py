@@ -159,17 +159,21 @@ def _on_meridian(run: Run, axisymmetric: Sequence[Run]) -> Run | None:
 def _error_around(run: Run, bodies: Sequence[Run], base: float, pressure: float, quantity: TipQuantity) -> float:
     """What the cells round the circumference leave of error in a body's tip.
 
-    From three numbers of cells round on the same meridian; a sector's tip is that of the whole with as many. Else the
-    difference to the same meridian's axisymmetric tip, to which it would converge, three times.
+    From three numbers of cells round on one meridian, of which one is the body's own; it hardly depends on the
+    meridian, and a sector's tip is that of the whole with as many. Else three times the difference to the axisymmetric
+    tip on the body's meridian, to which more cells round would lead.
     """
     level = body_level(run.summary.level)
-    alike = [r for r in bodies if body_level(r.summary.level).meridian == level.meridian]
-    own = [r for r in alike if r.summary.rung == run.summary.rung]
-    numbers = {body_level(r.summary.level).around: r for r in [*alike, *own]}  # its own rung's where both have one
-    value = tip_at(run, pressure, quantity)
-    if len(numbers) >= 3:
-        return tip_convergence(list(numbers.values()), pressure, AROUND_ORDER, quantity).uncertainty(value)
-    return SAFETY_IN_DOUBT * abs(value - base)
+    for meridian in dict.fromkeys([level.meridian, *(body_level(r.summary.level).meridian for r in bodies)]):
+        alike = {}
+        for body in [*bodies, *(r for r in bodies if r.summary.rung == run.summary.rung)]:  # of its own rung if it can
+            at = body_level(body.summary.level)
+            if at.meridian == meridian:
+                alike[at.around] = body
+        if len(alike) >= 3 and level.around in alike:
+            found = tip_convergence(list(alike.values()), pressure, AROUND_ORDER, quantity)
+            return found.uncertainty(tip_at(alike[level.around], pressure, quantity))
+    return SAFETY_IN_DOUBT * abs(tip_at(run, pressure, quantity) - base)
 
 
 def _checks(scene: Scene, run: Run, pressure: float) -> list[Row]:

@@ -164,7 +164,9 @@ def describe(scene: Scene, plan: Plan) -> str:
     cells = "hexahedra" if in_hexahedra(scene) else "tetrahedra"
     levels = " or ".join(f"r{level}" for level in plan.body_levels)
     for around in plan.sector_levels:
-        lines.append(f"  a quarter in 3D, {cells}, meridian level {levels}, {around} cells round: {pressures} kPa")
+        lines.append(
+            f"  a quarter in 3D, {cells}, meridian level r{plan.body_levels[0]}, {around} cells round: {pressures} kPa"
+        )
     for around in plan.around_levels:
         lines.append(f"  {body}, {cells}, meridian level {levels}, {around} cells round: {pressures} kPa")
     lines += [f"skipped: {reason}" for reason in plan.skipped]

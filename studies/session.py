@@ -90,17 +90,16 @@ def run_plan(
         axisymmetric.append(run_axisymmetric(scene, level, folder / f"axisymmetric-r{level}", comm, progress))
     solid: dict[str, list[Run]] = {"sector": [], "full3d": []}
     if plan.around_levels:
-        meridian = body_meridian(scene, axisymmetric, plan.body_levels)
-        base = folder / f"axisymmetric-r{meridian}"
 
-        def run(of: Scene, rung: Literal["sector", "full3d"], around: int) -> Run:
-            level = BodyLevel(around, meridian)
+        def run(of: Scene, rung: Literal["sector", "full3d"], level: BodyLevel) -> Run:
+            base = folder / f"axisymmetric-r{level.meridian}"
             return run_body(of, rung, level, base, folder / f"{rung}-{level.name}", comm, progress, plan.skipped)
 
         beside = scene.model_copy(update={"ask": scene.ask.model_copy(update={"fields": False})})
-        solid["sector"] = [run(beside, "sector", around) for around in plan.sector_levels]
+        solid["sector"] = [run(beside, "sector", BodyLevel(n, plan.body_levels[0])) for n in plan.sector_levels]
+        meridian = body_meridian(scene, axisymmetric, plan.body_levels)
         assert plan.rung == "sector" or plan.rung == "full3d"
-        solid[plan.rung] += [run(scene, plan.rung, around) for around in plan.around_levels]
+        solid[plan.rung] += [run(scene, plan.rung, BodyLevel(n, meridian)) for n in plan.around_levels]
     if plan.rung == "closed_form":
         run_closed_form(scene, folder, comm)
     rows = scene_rows(scene, axisymmetric, **solid)
