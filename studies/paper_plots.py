@@ -95,9 +95,12 @@ def draw_elongations(path: Path, results: PaperResults) -> str:
                 tets = results.variant(base, "tets")
                 _add(legend, draw_curves(axes, _elongation_curves(cases[base], tets), _SCALE))
         _finish(panels, REFERENCE_SCENES, cases)
-        bands = {panels[k]: cases[base] for k, base in enumerate(REFERENCE_SCENES) if base in cases}
-        _add(legend, _draw_bands(bands))
-        figure.legend(handles=list(legend.values()), loc="outside lower center", ncols=3, frameon=False)
+        bands = _draw_bands({panels[k]: cases[base] for k, base in enumerate(REFERENCE_SCENES) if base in cases})
+        entries = list(legend.values())
+        # beside what it belongs to
+        place = next((k for k, entry in enumerate(entries) if entry.get_label() == rung_label("axisymmetric")), 0)
+        entries[place + 1 : place + 1] = bands
+        figure.legend(handles=entries, loc="outside lower center", ncols=3, frameon=False, fontsize=9.0)
     return ""
 
 
@@ -199,10 +202,14 @@ def draw_assumptions(path: Path, results: PaperResults) -> str:
             axes.set_xlabel("cavity pressure, kPa")
             set_pressure_axis(axes, _asked(known.values()))
         columns[0].set_ylabel("stretch")
-        entries = [Line2D([], [], label=_name(c.result.scene), **_dot(_ACTUATORS[b])) for b, c in known.items()]
+        marker: dict[str, Any] = {"linestyle": "none"}
+        entries = [
+            Line2D([], [], label=_name(case.result.scene), **marker, **_dot(_ACTUATORS[base]))
+            for base, case in known.items()
+        ]
         grey: dict[str, Any] = {"color": "#555555"}
         entries.append(Line2D([], [], label="closed form", linestyle="--", linewidth=1.5, **grey))
-        entries.append(Line2D([], [], label="measured (axisymmetric)", **_dot({"marker": "o", **grey})))
+        entries.append(Line2D([], [], label="axisymmetric", **marker, **_dot({"marker": "o", **grey})))
         figure.legend(handles=entries, loc="outside lower center", ncols=3, frameon=False)
     return ""
 
@@ -339,7 +346,7 @@ def _chain(rows: Iterable[Row], rung: str, quantity: str = TIP) -> Curve | None:
     if not points:
         return None
     pressures, values = zip(*_from_rest(points, 0.0), strict=True)
-    label = rung_label(rung) + (", until it folds back" if rung == "closed_form_printed" else "")
+    label = rung_label(rung) + (", to its fold-back" if rung == "closed_form_printed" else "")
     return Curve(rung, label, pressures, values)
 
 
@@ -365,8 +372,8 @@ def _draw_bands(cases: Mapping[Axes, CaseResult]) -> list[Any]:
         largest_mm, largest_px = max(largest_mm, half.max()), max(largest_px, up[1] - up[0])
     for band in entry:
         line_px = 1.8 * _SCALE * band.get_figure().dpi / 72.0
-        hidden = ", hidden by the line" if largest_px < line_px else ""
-        band.set_label(f"its uncertainty, up to ±{largest_mm:.2g} mm{hidden}")
+        hidden = ", within its line" if largest_px < line_px else ""
+        band.set_label(f"± {largest_mm:.2g} mm at most{hidden}")
     return entry
 
 
@@ -390,8 +397,9 @@ def _draw_modes(axes: Axes, names: Sequence[str], runs: Sequence[Run]) -> None:
             look = {"color": VERMILION, "linewidth": 6.0} if state.unstable_modes else {"color": "#bbbbbb", "linewidth": 3.0}
             axes.plot([begin, state.pressure_kpa], [place, place], solid_capstyle="butt", **look)
             if state.unstable_modes != before:
-                look = {"textcoords": "offset points", "fontsize": _SMALL, "va": "center"}
-                axes.annotate(f"{state.unstable_modes:.0f}", (state.pressure_kpa, place), (3, 0), **look)
+                look = {"textcoords": "offset points", "fontsize": _SMALL, "va": "center", "ha": "right"}
+                look["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
+                axes.annotate(f"{state.unstable_modes:.0f}", (begin, place), (-3, 0), **look)
             before = state.unstable_modes
     axes.set_yticks(range(len(names)), names, fontsize=_SMALL)
     axes.set_ylim(len(names) - 0.4, -0.6)
