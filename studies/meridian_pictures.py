@@ -11,7 +11,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, Normalize
-from matplotlib.patches import Rectangle
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import MultipleLocator
 
 from meshes.cells import QUADRILATERAL_NODES
@@ -34,7 +35,7 @@ _ROUND_OFF_MM: Final = 1e-6
 # Peaks at the seats' edges grow with the mesh: the colours end where all but this share of the nodes is, %.
 _BEYOND_PERCENT: Final = 0.5
 _STRETCH_COLOURS, _STRESS_COLOURS = "YlOrRd", "YlGnBu"
-# Bands of mean stress: a band of compression, then doubling, since thin walls carry many times the stress of thick ones.
+# Bands of mean stress: one of compression, then doubling, since thin walls carry many times the stress of thick ones.
 _FIRST_BAND_KPA: Final = 50.0
 _RING, _EDGE, _UNDEFORMED = "#d8d8d8", "#303030", "#8c8c8c"
 # A cell as flat triangles of its corner, mid-edge and middle nodes, by its number of nodes.
@@ -107,7 +108,8 @@ def root_panel(scene: Scene, run: Run, run_folder: Path, pressure_kpa: float, la
         size = (shape.seat_radius_mm, scene.rings.seat_mm, scene.rings.height_mm)
         rings = (RingBox(-away, *size), RingBox(away, *size))
     else:
-        crests = np.array([np.argmin(np.hypot(mesh.points[:, 1] - z, mesh.points[:, 0] - 1e3)) for z in centres])
+        seats = np.column_stack([np.full(2, shape.seat_radius_mm), centres])
+        crests = [int(np.argmin(np.linalg.norm(mesh.points - seat, axis=1))) for seat in seats]
         shifts = state.displacement_mm[crests, 1]
     low, high = centres[0] - _ROUND_OFF_MM, centres[1] + _ROUND_OFF_MM
     inside = np.all((mesh.points[mesh.cells, 1] > low) & (mesh.points[mesh.cells, 1] < high), axis=1)
@@ -176,7 +178,7 @@ def draw_root_fields(path: Path, panels: Sequence[RootPanel]) -> str:
         (stress, [p.mean_stress_kpa for p in panels], _STRESS_COLOURS, BoundaryNorm(bands, 256, extend="both")),
     )
     inch_per_mm = 0.44 * _WIDTH_IN / width
-    height_in = float(inch_per_mm * heights.sum() + 0.36 * len(panels) + 1.1)
+    height_in = float(inch_per_mm * heights.sum() + 0.36 * len(panels) + 1.35)
     with figure_file(path, _WIDTH_IN, height_in) as figure:
         grid = figure.subplots(len(panels), 2, sharex=True, squeeze=False, height_ratios=heights)
         for column, (name, values, colours, norm) in enumerate(fields):
@@ -190,6 +192,10 @@ def draw_root_fields(path: Path, panels: Sequence[RootPanel]) -> str:
             bar.set_label(name)
             bar.ax.tick_params(labelsize=_TICK_POINTS)
             grid[-1, column].set_xlabel("axial, from the middle of the root, mm")
+        entries: list[Any] = [Line2D([], [], color=_UNDEFORMED, linewidth=0.9, label="without pressure")]
+        if any(panel.rings for panel in panels):
+            entries.append(Patch(facecolor=_RING, edgecolor=_EDGE, linewidth=0.8, label="half a rigid ring"))
+        figure.legend(handles=entries, loc="outside lower center", ncols=2, frameon=False, fontsize=9.0)
         for axes, panel in zip(grid[:, 0], panels, strict=True):
             axes.set_title(panel.label, loc="left", fontsize=10.0)
             axes.set_ylabel("radius, mm")

@@ -24,6 +24,7 @@ from studies.paper_results import CaseResult, PaperResults
 from studies.plots import (
     BLACK,
     BLUE,
+    DPI,
     GREEN,
     ORANGE,
     SKY,
@@ -119,7 +120,7 @@ def draw_dimensions_matter(path: Path, results: PaperResults) -> str:
             lines = []
             for name, style in zip(slot, _SETS, strict=True):
                 if name in found and (run := _finest(found[name])):
-                    what = f"{_set_name(found[name])}: {_sizes(found[name].result.scene)}"
+                    what = f"{found[name].case.label}: {_sizes(found[name].result.scene)}"
                     lines += axes.plot(*_path(run, _tip), label=what, linewidth=1.6, **style)
                     _mark_end(axes, run, _tip, style["color"])
             rows = next((case.rows for case in found.values()), ())
@@ -156,7 +157,8 @@ def draw_beyond(path: Path, results: PaperResults) -> str:
             middle.plot([r.pressure_kpa for r in peaks], [r.value for r in peaks], **line)
         _draw_breaks(middle)
         names = [_name(case.result.scene) for case in cases.values()]
-        _draw_modes(strip, names, [run for case in cases.values() if (run := _finest(case))])
+        runs = [run for case in cases.values() if (run := _finest(case))]
+        _draw_modes(strip, names, runs)
         top.set_ylabel("elongation at the tip, mm")
         top.set_ylim(bottom=0.0)
         middle.set_ylabel("largest principal stretch")
@@ -174,8 +176,9 @@ def draw_beyond(path: Path, results: PaperResults) -> str:
             textcoords="offset points",
             fontsize=_SMALL,
         )
-        entries.append(Line2D([], [], marker="x", color=BLACK, linestyle="none", markersize=8, markeredgewidth=2.0))
-        entries[-1].set_label("last state of a path that stopped")
+        if any(run.summary.status != "reached" for run in runs):
+            cross: dict[str, Any] = {"marker": "x", "linestyle": "none", "markersize": 8.0, "markeredgewidth": 2.0}
+            entries.append(Line2D([], [], color=BLACK, label="last state of a path that stopped", **cross))
         figure.legend(handles=entries, loc="outside upper center", ncols=2, frameon=False, fontsize=9.0)
     return ""
 
@@ -231,19 +234,12 @@ def draw_blocked(path: Path, results: PaperResults) -> str:
                 _add(legend, draw_curves(axes, [chain], _SCALE))
             if thrust:
                 points = (thrust.pressure_kpa, thrust.tip_mm)
-                look = {"color": "#555555", "linestyle": ":", "linewidth": 1.6}
+                look: dict[str, Any] = {"color": "#555555", "linestyle": ":", "linewidth": 1.6}
                 _add(legend, axes.plot(*points, label="thrust of the pressure alone", **look))
             if run := _finest(cases[base]):
-                asked = [(s.pressure_kpa, s.tip_force_n) for s in run.path if s.status == "asked"]
-                blue = style_of("axisymmetric")["color"]
-                axes.plot(*_path(run, _force), color=blue, linewidth=1.8 * _SCALE)
-                places = tuple(zip(*asked, strict=True)) or ((), ())
-                axes.plot(*places, linestyle="none", **_dot({"color": blue, "marker": "o"}))
-                label = rung_label("axisymmetric")
-                _add(legend, [Line2D([], [], label=label, linewidth=1.8 * _SCALE, **_dot({"color": blue, "marker": "o"}))])
-                _mark_end(axes, run, _force, blue, note=True)
+                _add(legend, _draw_blocked_path(axes, run))
         _finish(panels, REFERENCE_SCENES, cases)
-        figure.legend(handles=list(legend.values()), loc="outside lower center", ncols=3, frameon=False)
+        figure.legend(handles=list(legend.values()), loc="outside lower center", ncols=2, frameon=False)
     return ""
 
 
@@ -266,9 +262,9 @@ def draw_conventions(path: Path, results: PaperResults) -> str:
                     _add(legend, axes.plot(*_path(run, _tip), color=colour, linewidth=1.6, label=label))
                     _mark_end(axes, run, _tip, colour)
                 if chain := _chain(cases[base].rows, "closed_form"):
-                    look = {"color": colour, "linestyle": "--", "linewidth": 1.4, "marker": "^", "markersize": 5.0}
+                    look: dict[str, Any] = {"color": colour, "linestyle": "--", "marker": "^", "markersize": 5.0}
                     label = f"closed form, {convention}"
-                    _add(legend, axes.plot(chain.pressure_kpa, chain.tip_mm, label=label, **look))
+                    _add(legend, axes.plot(chain.pressure_kpa, chain.tip_mm, label=label, linewidth=1.4, **look))
             if base in core:
                 _add(legend, draw_curves(axes, _printed_curves(core[base].rows), _SCALE))
             axes.set_xlabel("cavity pressure, kPa")
@@ -296,17 +292,15 @@ def draw_rings(path: Path, results: PaperResults) -> str:
                 marker = _RING_MARKERS[[name for _, name, _ in RING_VARIANTS].index(label)]
                 axes.plot(seconds, percent, linestyle="none", **_dot({"color": colour, "marker": marker}, 8.0))
         axes.set_xscale("log")
-        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axes.xaxis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:g}" if f"{value:g}"[0] in "235" else ""))
+        axes.xaxis.set_major_formatter(FuncFormatter(_seconds))
+        axes.xaxis.set_minor_formatter(FuncFormatter(_seconds))
         axes.set_xlabel("wall time of the finest axisymmetric run, s")
-        axes.set_ylabel("elongation against meshed PLA rings, %")
+        axes.set_ylabel("change of elongation against meshed PLA rings, %")
         axes.margins(0.12)
         axes.grid(color="#e4e4e4", which="both")
         axes.set_axisbelow(True)
         named = {case.case.base: _name(case.result.scene) for case in results.of("rings")}
-        entries = [
-            Line2D([], [], label=named[base], linewidth=4.0, color=_ACTUATORS[base]["color"]) for base in found
-        ]
+        entries = [Line2D([], [], label=named[base], linewidth=4.0, color=_ACTUATORS[base]["color"]) for base in found]
         for (_, label, _), marker in zip(RING_VARIANTS, _RING_MARKERS, strict=True):
             look = _dot({"color": "#555555", "marker": marker}, 8.0)
             entries.append(Line2D([], [], label=f"{label} rings", linestyle="none", **look))
@@ -371,9 +365,9 @@ def _draw_bands(cases: Mapping[Axes, CaseResult]) -> list[Any]:
         up = axes.transData.transform([(0.0, 0.0), (0.0, 2.0 * half.max())])[:, 1]
         largest_mm, largest_px = max(largest_mm, half.max()), max(largest_px, up[1] - up[0])
     for band in entry:
-        line_px = 1.8 * _SCALE * band.get_figure().dpi / 72.0
+        line_px = 1.8 * _SCALE * DPI / 72.0
         hidden = ", within its line" if largest_px < line_px else ""
-        band.set_label(f"± {largest_mm:.2g} mm at most{hidden}")
+        band.set_label(f"axisymmetric ± {largest_mm:.2g} mm or less{hidden}")
     return entry
 
 
@@ -394,30 +388,58 @@ def _draw_modes(axes: Axes, names: Sequence[str], runs: Sequence[Run]) -> None:
         before = 0.0
         for start, state in zip([None, *states], states, strict=False):
             begin = start.pressure_kpa if start else 0.0
-            look = {"color": VERMILION, "linewidth": 6.0} if state.unstable_modes else {"color": "#bbbbbb", "linewidth": 3.0}
-            axes.plot([begin, state.pressure_kpa], [place, place], solid_capstyle="butt", **look)
+            colour, width = (VERMILION, 6.0) if state.unstable_modes else ("#bbbbbb", 3.0)
+            line: dict[str, Any] = {"color": colour, "linewidth": width, "solid_capstyle": "butt"}
+            axes.plot([begin, state.pressure_kpa], [place, place], **line)
             if state.unstable_modes != before:
-                look = {"textcoords": "offset points", "fontsize": _SMALL, "va": "center", "ha": "right"}
+                look: dict[str, Any] = {
+                    "textcoords": "offset points",
+                    "fontsize": _SMALL,
+                    "va": "center",
+                    "ha": "right",
+                }
                 look["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
                 axes.annotate(f"{state.unstable_modes:.0f}", (begin, place), (-3, 0), **look)
             before = state.unstable_modes
     axes.set_yticks(range(len(names)), names, fontsize=_SMALL)
     axes.set_ylim(len(names) - 0.4, -0.6)
     axes.tick_params(axis="y", length=0)
-    axes.set_title("unstable modes of the path: none where pale, number where they change", fontsize=9.0, loc="left")
+    some = any(state.unstable_modes > 0.0 for run in runs for state in run.path)
+    legend = "pale: none, dark: the number before it" if some else "none"
+    axes.set_title(f"unstable modes along the path: {legend}", fontsize=9.0, loc="left")
+
+
+def _draw_blocked_path(axes: Axes, run: Run) -> list[Any]:
+    """Draw the force of a path, dashed where it has unstable modes; returns the entries of a legend."""
+    pressures, forces = _path(run, _force)
+    colour = style_of("axisymmetric")["color"]
+    stable = next((k for k, state in enumerate(run.path) if state.unstable_modes > 0.0), len(run.path))
+    dots = [k + 1 for k, state in enumerate(run.path) if state.status == "asked"]
+    look: dict[str, Any] = {"color": colour, "marker": "o", "markersize": 6.0, "markeredgecolor": "white"}
+    entries = []
+    for label, places, dash in (
+        (rung_label("axisymmetric"), range(stable + 1), "-"),
+        ("axisymmetric, past the loss of stability", range(stable, len(pressures)), "--"),
+    ):
+        if len(places) > 1:
+            drawn = [k - places.start for k in dots if k in places]
+            line = ([pressures[k] for k in places], [forces[k] for k in places])
+            entries += axes.plot(*line, label=label, linestyle=dash, linewidth=1.8 * _SCALE, markevery=drawn, **look)
+    _mark_end(axes, run, _force, colour, note=True)
+    return entries
 
 
 def _ring_points(results: PaperResults, base: str) -> dict[str, tuple[float, float]]:
-    """By variant: wall time (s) and change of the tip (%) against meshed PLA, on the finest mesh and at the highest
-    pressure that all reached; empty if there is nothing to compare."""
+    """By variant: wall time (s) and change of the tip (%) against meshed PLA; empty if there is nothing to compare.
+
+    On the finest mesh, at the highest pressure that all reached.
+    """
     variants = {label: results.variant(base, "rings", suffix) for suffix, label, _ in RING_VARIANTS}
     runs = {label: run for label, case in variants.items() if case and (run := _finest(case))}
     reference = RING_VARIANTS[1][1]
     if reference not in runs or len(runs) < 2:
         return {}
-    tips = {
-        label: {s.pressure_kpa: s.tip_mm for s in run.path if s.status == "asked"} for label, run in runs.items()
-    }
+    tips = {label: {s.pressure_kpa: s.tip_mm for s in run.path if s.status == "asked"} for label, run in runs.items()}
     shared = set.intersection(*(set(tip) for tip in tips.values()))
     if not shared:
         return {}
@@ -469,14 +491,14 @@ def _from_zero(panels: Sequence[Axes], headroom: float = 1.0) -> None:
 
 
 def _mark_end(axes: Axes, run: Run, value: Callable[[PathRow], float], colour: str, note: bool = False) -> None:
-    """Draw a cross where a run stopped, with the reason beside it if asked; nothing if it reached all."""
+    """Draw a cross where a run stopped, the reason in the corner if asked; nothing if it reached all."""
     if run.summary.status == "reached" or not run.path:
         return
     end = (run.path[-1].pressure_kpa, value(run.path[-1]))
     mark_stop(axes, end, colour, "_", _SCALE)
-    if note:
-        look: dict[str, Any] = {"textcoords": "offset points", "fontsize": _SMALL, "va": "top"}
-        axes.annotate(_ending(run), end, (8, -6), **look)
+    if note:  # where rising curves leave room
+        look: dict[str, Any] = {"transform": axes.transAxes, "fontsize": _SMALL, "ha": "right", "color": colour}
+        axes.text(0.98, 0.03, _ending(run), **look)
 
 
 def _dot(style: Mapping[str, Any], size: float = 6.0) -> dict[str, Any]:
@@ -530,11 +552,13 @@ def _from_rest(points: list[tuple[float, float]], at_rest: float) -> list[tuple[
 
 
 def _ending(run: Run) -> str:
-    """Where a path ended, and the kind of reason if it did not reach what was asked."""
+    """Where a path ended, the kind of reason if it did not reach what was asked, and where it lost its stability."""
     last = run.path[-1].pressure_kpa if run.path else 0.0
+    crossing = run.summary.crossing
+    where = f" at {crossing['pressure_kpa']:.1f} ± {crossing['within_kpa']:.1f} kPa" if crossing else ""
     if run.summary.status == "reached":
-        return f"reaches {last:g} kPa"
-    return f"stops at {last:.1f} kPa, {run.summary.cause or 'no cause given'}"
+        return f"reaches {last:g} kPa" + (f" ({crossing['kind']}{where})" if crossing else "")
+    return f"stops at {last:.1f} kPa ({run.summary.cause or 'no cause given'}{where})"
 
 
 def _name(scene: Scene) -> str:
@@ -546,8 +570,10 @@ def _silicone(scene: Scene) -> str:
     return SILICONES["dragon-skin-10" if scene.material.law == "yeoh" else "dragon-skin-30"]
 
 
-def _set_name(case: CaseResult) -> str:
-    return case.case.label
+def _seconds(value: float, _: int) -> str:
+    """Label of a logarithmic tick; none where labels would touch."""
+    text = f"{value:g}"
+    return "" if text[0] in "79" else text
 
 
 def _sizes(scene: Scene) -> str:

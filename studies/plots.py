@@ -160,7 +160,12 @@ def draw_curves(axes: Axes, curves: Sequence[Curve], scale: float = 1.0) -> list
 
 def mark_stop(axes: Axes, at: tuple[float, float], colour: str, label: str, scale: float = 1.0) -> list[Any]:
     """Draw the cross where a run ended, at (x, y); returns its entry of a legend."""
-    look = {"marker": "x", "markersize": 11 * scale, "markeredgewidth": 2.6 * scale, "linestyle": "none"}
+    look: dict[str, Any] = {
+        "marker": "x",
+        "markersize": 11 * scale,
+        "markeredgewidth": 2.6 * scale,
+        "linestyle": "none",
+    }
     return list(axes.plot(*at, color=colour, label=label, zorder=5.0, **look))
 
 

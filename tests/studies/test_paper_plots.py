@@ -44,7 +44,8 @@ SLOPES = {
 PRINTED = {"paper_closed_form": 66.0, "paper_ansys": 78.0, "paper_experiment": 76.0}
 
 
-def summary(rung: str, level: str, seconds: float, cause: str = "") -> RunSummary:
+def summary(rung: str, level: str, seconds: float, cause: str = "", crossing_kpa: float = math.nan) -> RunSummary:
+    crossing = {"kind": cause, "pressure_kpa": crossing_kpa, "within_kpa": 0.5}
     return RunSummary(
         scene="made-up",
         rung=rung,
@@ -70,6 +71,7 @@ def summary(rung: str, level: str, seconds: float, cause: str = "") -> RunSummar
         commit="",
         when="",
         cause=cause,
+        crossing={} if math.isnan(crossing_kpa) else crossing,
     )
 
 
@@ -78,17 +80,26 @@ def state(pressure: float, tip: float, force: float, modes: float, status: str) 
     return PathRow(pressure, "auto", tip, tip, force, nan, nan, nan, nan, nan, modes, "", 1, 1.0, status, nan)
 
 
-def made_up(case: Case, stop_kpa: float = math.inf, past_kpa: float = math.inf, bar_mm: float = 0.2) -> CaseResult:
+def made_up(
+    case: Case,
+    stop_kpa: float = math.inf,
+    past_kpa: float = math.inf,
+    bar_mm: float = 0.2,
+    cause: str = "limit point",
+    crossing_kpa: float = math.nan,
+) -> CaseResult:
     """A case whose models are straight lines.
 
     Parameters
     ----------
     stop_kpa
-        Where the axisymmetric path stops; its last two states have an unstable mode.
+        Where the axisymmetric path stops.
     past_kpa
         From where the printed chain folds back.
     bar_mm
         Uncertainty of axisymmetric rows.
+    cause, crossing_kpa
+        Why it stops, and from where on its states have an unstable mode.
     """
     scene = Scene.model_validate(tomllib.loads(case_text(case, SCENES)))
     asked = [p for p in scene.load.pressure_kpa if p <= stop_kpa]
@@ -113,11 +124,11 @@ def made_up(case: Case, stop_kpa: float = math.inf, past_kpa: float = math.inf, 
     for rung, value in PRINTED.items():
         add("tip_mm", "mm", 20.0, rung, value)
     slope = SLOPES["axisymmetric"]
-    path = [state(p, slope * p, 0.15 * p, 0.0, "asked") for p in asked]
-    if stop_kpa < math.inf:
-        ends = (stop_kpa - 1.0, stop_kpa)
-        path += [state(p, slope * p, 0.15 * p, 1.0, "step") for p in ends if p > asked[-1]]
-    run = Run(summary("axisymmetric", "r4", 10.0, "limit point" if stop_kpa < math.inf else ""), tuple(path))
+    ends = [p for p in (stop_kpa - 1.0, stop_kpa) if asked[-1] < p < math.inf]
+    modes = {p: float(p >= crossing_kpa) for p in (*asked, *ends)}
+    path = [state(p, slope * p, 0.15 * p, modes[p], "asked" if p in asked else "step") for p in modes]
+    why = cause if stop_kpa < math.inf else ""
+    run = Run(summary("axisymmetric", "r4", 10.0, why, crossing_kpa), tuple(path))
     result = SceneResult(scene, (run,), (), (), tuple(rows))
     return CaseResult(case, Path("nowhere"), result, ())
 
@@ -159,11 +170,19 @@ def legend(figure: Figure) -> list[str]:
     return [text.get_text() for found in figure.legends for text in found.get_texts()]
 
 
+def ends(line) -> tuple[list[float], list[float]]:
+    return list(line.get_xdata()), list(line.get_ydata())
+
+
 def curves(axes) -> dict[str, tuple[list[float], list[float]]]:
     """What is drawn on axes by its label."""
     found = {box.get_label(): box.lines[0] for box in axes.containers}
     found |= {line.get_label(): line for line in axes.lines if not line.get_label().startswith("_")}
-    return {label: (list(line.get_xdata()), list(line.get_ydata())) for label, line in found.items()}
+    return {label: ends(line) for label, line in found.items()}
+
+
+def entries(axes) -> list[str]:
+    return [text.get_text() for text in axes.get_legend().get_texts()]
 
 
 @pytest.mark.parametrize("draw", DRAW)
@@ -193,14 +212,14 @@ def test_elongations(tmp_path: Path, drawn: list[Figure]) -> None:
     assert first["full 3D, hexahedra"][1] == pytest.approx([25.5, 51.0, 76.5, 102.0])
     assert first["full 3D, the paper's tetrahedra"][1] == pytest.approx([25.5, 51.0, 76.5, 102.0])
     assert first["paper: experiment"] == ([20.0], [76.0])
-    assert legend(figure) == [*list(first)[:5], "± 0.2 mm at most, within its line", *list(first)[5:]]
+    assert legend(figure) == [*list(first)[:5], "axisymmetric ± 0.2 mm or less, within its line", *list(first)[5:]]
     for axes in panels:
         assert axes.get_xlim()[1] >= 20.0 and axes.get_ylim()[0] == 0.0
 
 
 def test_a_wide_band_is_not_called_hidden(tmp_path: Path, drawn: list[Figure]) -> None:
     paper_plots.draw_elongations(tmp_path / "x.png", results("core", make=lambda case: made_up(case, bar_mm=9.0)))
-    assert "± 9 mm at most" in legend(drawn[0])
+    assert "axisymmetric ± 9 mm or less" in legend(drawn[0])
 
 
 def test_elongations_without_some(tmp_path: Path, drawn: list[Figure]) -> None:
@@ -212,15 +231,14 @@ def test_elongations_without_some(tmp_path: Path, drawn: list[Figure]) -> None:
 
 def test_a_path_that_stopped_is_marked(tmp_path: Path, drawn: list[Figure]) -> None:
     paper_plots.draw_elongations(tmp_path / "x.png", results("core", make=lambda case: made_up(case, stop_kpa=17.0)))
-    assert curves(drawn[0].axes[0])["axisymmetric: stops at 17.0 kPa, limit point"] == ([17.0], [85.0])
+    assert curves(drawn[0].axes[0])["axisymmetric: stops at 17.0 kPa (limit point)"] == ([17.0], [85.0])
 
 
 def test_dimensions_matter(tmp_path: Path, drawn: list[Figure]) -> None:
     assert paper_plots.draw_dimensions_matter(tmp_path / "x.png", results("core", "alternates")) == ""
     (figure,) = drawn
-    texts = [[text.get_text() for text in axes.get_legend().get_texts()] for axes in figure.axes]
-    assert [len(entries) for entries in texts] == [3, 3, 3, 3]
-    assert texts[3][2] == "alternate b: $R_i$ 7.5, $R_p$ 10.5, $e$ 6.5, $n$ 8, DS 10"
+    assert [len(entries(axes)) for axes in figure.axes] == [3, 3, 3, 3]
+    assert entries(figure.axes[3])[2] == "alternate b: $R_i$ 7.5, $R_p$ 10.5, $e$ 6.5, $n$ 8, DS 10"
     assert legend(figure) == ["paper: closed form", "paper: ANSYS", "paper: experiment"]
     assert figure.axes[1].get_title() == "t = 1 mm, $R_i$ larger than 5 mm"
 
@@ -232,19 +250,19 @@ def test_dimensions_matter_with_one_set(tmp_path: Path, drawn: list[Figure]) -> 
 
 def test_beyond(tmp_path: Path, drawn: list[Figure]) -> None:
     def make(case: Case) -> CaseResult:
-        return made_up(case, stop_kpa=24.0 if "t1" in case.base else math.inf)
+        return made_up(case, stop_kpa=24.0, crossing_kpa=23.0) if "t1" in case.base else made_up(case)
 
     assert paper_plots.draw_beyond(tmp_path / "x.png", results("beyond", make=make)) == ""
     (figure,) = drawn
     top, middle, strip = figure.axes
-    assert "t = 1 mm, $R_i$ = 5 mm: stops at 24.0 kPa, limit point" in legend(figure)
+    assert "t = 1 mm, $R_i$ = 5 mm: stops at 24.0 kPa (limit point at 23.0 ± 0.5 kPa)" in legend(figure)
     assert "t = 2 mm, $R_i$ = 7 mm: reaches 30 kPa" in legend(figure)
     crosses = [line for line in top.lines if line.get_marker() == "x"]
-    assert [(line.get_xdata()[0], line.get_ydata()[0]) for line in crosses] == [(24.0, 120.0)] * 2
-    levels = {line.get_ydata()[0] for line in middle.lines if line.get_linestyle() == "--"}
+    assert [ends(line) for line in crosses] == [([24.0], [120.0])] * 2
+    levels = {ends(line)[1][0] for line in middle.lines if line.get_linestyle() == "--"}
     assert sorted(levels) == pytest.approx([4.64, 11.0])
     unstable = [line for line in strip.lines if line.get_linewidth() == 6.0]
-    assert {tuple(line.get_ydata()) for line in unstable} == {(0, 0), (1, 1)}
+    assert {tuple(ends(line)[1]) for line in unstable} == {(0, 0), (1, 1)}
     assert [text.get_text() for text in strip.texts] == ["1", "1"]
     assert top.get_xlim()[1] >= 30.0
 
@@ -256,21 +274,25 @@ def test_assumptions(tmp_path: Path, drawn: list[Figure]) -> None:
     dashed = [line for line in root.lines if line.get_linestyle() == "--"]
     dots = [line for line in root.lines if line.get_marker() not in ("None", "")]
     assert len(dashed) == len(dots) == 4
-    assert list(dashed[0].get_ydata()) == pytest.approx([1.0, 1.4, 1.8, 2.2, 2.6])
-    assert list(dots[0].get_ydata()) == pytest.approx([1.5, 2.0, 2.5, 3.0])
+    assert ends(dashed[0])[1] == pytest.approx([1.0, 1.4, 1.8, 2.2, 2.6])
+    assert ends(dots[0])[1] == pytest.approx([1.5, 2.0, 2.5, 3.0])
     assert not [line for line in ring.lines if line.get_linestyle() == "--"]
     assert legend(drawn[0])[-2:] == ["closed form", "axisymmetric"]
 
 
 def test_blocked(tmp_path: Path, drawn: list[Figure]) -> None:
-    found = results("blocked", make=lambda case: made_up(case, stop_kpa=12.0))
+    found = results("blocked", make=lambda case: made_up(case, 12.0, cause="bifurcation", crossing_kpa=11.0))
     assert paper_plots.draw_blocked(tmp_path / "x.png", found) == ""
     axes = drawn[0].axes[0]
     known = curves(axes)
     assert known["closed form"][1] == pytest.approx([0.0, 1.0, 2.0, 3.0, 4.0])
     assert known["thrust of the pressure alone"][1] == pytest.approx([0.0, 0.5, 1.0, 1.5, 2.0])
-    assert [text.get_text() for text in axes.texts] == ["stops at 12.0 kPa, limit point"]
-    assert legend(drawn[0]) == ["closed form", "thrust of the pressure alone", "axisymmetric"]
+    assert [text.get_text() for text in axes.texts] == ["stops at 12.0 kPa (bifurcation at 11.0 ± 0.5 kPa)"]
+    assert known["axisymmetric"][0] == [0.0, 5.0, 10.0]
+    past = "axisymmetric, past the loss of stability"
+    assert known[past][0] == [10.0, 11.0, 12.0]
+    assert known[past][1] == pytest.approx([1.5, 1.65, 1.8])
+    assert legend(drawn[0]) == ["closed form", "thrust of the pressure alone", "axisymmetric", past]
     assert drawn[0].axes[0].get_ylabel() == "force at the blocked tip, N"
 
 
@@ -305,10 +327,10 @@ def test_rings(tmp_path: Path, drawn: list[Figure]) -> None:
     assert paper_plots.draw_rings(tmp_path / "x.png", results("rings", make=make)) == ""
     (axes,) = drawn[0].axes
     assert axes.get_xscale() == "log"
-    joined = [line for line in axes.lines if len(line.get_xdata()) == 3]
+    joined = [line for line in axes.lines if len(ends(line)[0]) == 3]
     assert len(joined) == 4
-    assert list(joined[0].get_xdata()) == [4.0, 9.0, 10.0]
-    assert list(joined[0].get_ydata()) == pytest.approx([-1.0, 0.0, 0.2])
+    assert ends(joined[0])[0] == [4.0, 9.0, 10.0]
+    assert ends(joined[0])[1] == pytest.approx([-1.0, 0.0, 0.2])
     assert legend(drawn[0])[-3:] == ["rigid rings", "meshed PLA rings", "meshed polyethylene rings"]
 
 
