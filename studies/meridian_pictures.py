@@ -21,9 +21,9 @@ from meshes.solid import REGIONS, FloatArray, IntArray, SolidMesh
 from solvers.output import pressure_at_nodes
 from solvers.state import State
 from studies.build import scene_meridian
+from studies.levels import fineness
 from studies.pictures import RingBox
 from studies.plots import figure_file
-from studies.results import fineness
 from studies.run_log import Run
 from studies.scene import Scene, shape_of
 from studies.states import load_state

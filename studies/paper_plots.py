@@ -37,7 +37,7 @@ from studies.plots import (
     style_of,
 )
 from studies.results import PathRow
-from studies.rows import Row
+from studies.rows import FOLDED_BACK, Row
 from studies.run_log import Run
 from studies.scene import Scene
 from studies.tables import TIP, TIP_FORCE, rung_label
@@ -49,17 +49,16 @@ _TITLE, _SMALL = 10.0, 8.0  # points
 
 _CHAINS: Final = ("closed_form_printed", "closed_form", "closed_form_balanced", "closed_form_seat")
 _PRINTED: Final = ("paper_closed_form", "paper_ansys", "paper_experiment")
-# In the status of a chain's row once the root has outgrown the crest.
-_PAST: Final = "past the model"
-# The four actuators where they share axes: one hue per wall, one marker each.
+# The four actuators where they share axes: one hue per wall, one marker each; the second of a pair is smaller and does
+# not hide the first where both agree.
 _ACTUATORS: Final[dict[str, dict[str, Any]]] = dict(
     zip(
         REFERENCE_SCENES,
         (
-            {"color": BLUE, "marker": "o"},
-            {"color": SKY, "marker": "s"},
-            {"color": VERMILION, "marker": "^"},
-            {"color": ORANGE, "marker": "D"},
+            {"color": BLUE, "marker": "o", "markersize": 8.0},
+            {"color": SKY, "marker": "s", "markersize": 5.5},
+            {"color": VERMILION, "marker": "^", "markersize": 9.0},
+            {"color": ORANGE, "marker": "D", "markersize": 4.5},
         ),
         strict=True,
     )
@@ -101,7 +100,8 @@ def draw_elongations(path: Path, results: PaperResults) -> str:
         # beside what it belongs to
         place = next((k for k, entry in enumerate(entries) if entry.get_label() == rung_label("axisymmetric")), 0)
         entries[place + 1 : place + 1] = bands
-        figure.legend(handles=entries, loc="outside lower center", ncols=3, frameon=False, fontsize=9.0)
+        look = {"fontsize": 8.5, "columnspacing": 1.2, "handlelength": 2.4}
+        figure.legend(handles=entries, loc="outside lower center", ncols=3, frameon=False, **look)
     return ""
 
 
@@ -155,7 +155,7 @@ def draw_beyond(path: Path, results: PaperResults) -> str:
             peaks = _series(case.rows, "peak_stretch", "axisymmetric")
             line = {"linewidth": 1.6, "color": style["color"], **_dot(style)}
             middle.plot([r.pressure_kpa for r in peaks], [r.value for r in peaks], **line)
-        _draw_breaks(middle)
+        _draw_breaks(middle, [case.result.scene for case in cases.values()])
         names = [_name(case.result.scene) for case in cases.values()]
         runs = [run for case in cases.values() if (run := _finest(case))]
         _draw_modes(strip, names, runs)
@@ -335,7 +335,7 @@ def _bodies(case: CaseResult, style: str, label: str) -> list[Curve]:
 
 def _chain(rows: Iterable[Row], rung: str, quantity: str = TIP) -> Curve | None:
     """A chain's curve from rest, up to where it folds back; None if it has no other point."""
-    kept = takewhile(lambda row: _PAST not in row.status, _series(rows, quantity, rung))
+    kept = takewhile(lambda row: row.status != FOLDED_BACK, _series(rows, quantity, rung))
     points = [(row.pressure_kpa, row.value) for row in kept]
     if not points:
         return None
@@ -371,11 +371,14 @@ def _draw_bands(cases: Mapping[Axes, CaseResult]) -> list[Any]:
     return entry
 
 
-def _draw_breaks(axes: Axes) -> None:
-    """Draw the stretches at which the silicones break."""
+def _draw_breaks(axes: Axes, scenes: Sequence[Scene]) -> None:
+    """Draw the stretches at which the silicones break, and whose they are."""
     for silicone, stretch in STRETCH_AT_BREAK.items():
         axes.axhline(stretch, color=BLACK, linewidth=1.2, linestyle="--", zorder=2.0)
-        text = f"{SILICONES[silicone]} breaks, {100.0 * (stretch - 1.0):g} %"
+        name = SILICONES[silicone]
+        walls = sorted({f"t = {scene.geometry.wall_mm:g} mm" for scene in scenes if _silicone(scene) == name})
+        whose = f" ({', '.join(walls)})" if walls else ""
+        text = f"elongation at break of {name}{whose}: {100.0 * (stretch - 1.0):g} %"
         place: dict[str, Any] = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
         axes.annotate(text, (0.01, stretch), xytext=(0, -3), va="top", fontsize=_SMALL, **place)
     axes.set_ylim(1.0, 1.06 * max(STRETCH_AT_BREAK.values()))
@@ -503,7 +506,7 @@ def _mark_end(axes: Axes, run: Run, value: Callable[[PathRow], float], colour: s
 
 def _dot(style: Mapping[str, Any], size: float = 6.0) -> dict[str, Any]:
     """Look of a marker with a white edge."""
-    return {**style, "markersize": size, "markeredgecolor": "white", "markeredgewidth": 0.7}
+    return {"markersize": size, **style, "markeredgecolor": "white", "markeredgewidth": 0.7}
 
 
 def _add(legend: dict[str, Any], entries: Iterable[Any]) -> None:

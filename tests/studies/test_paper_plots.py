@@ -17,7 +17,7 @@ from studies.paper_cases import Case, Group, case_text, cases
 from studies.paper_results import CaseResult, PaperResults
 from studies.plots import figure_file
 from studies.results import PathRow, RunSummary
-from studies.rows import Row, row
+from studies.rows import FOLDED_BACK, REACHED, Row, row
 from studies.run_log import Run
 from studies.scene import Scene
 from studies.session import SceneResult
@@ -111,7 +111,7 @@ def made_up(
     for p in scene.load.pressure_kpa:
         for rung, slope in SLOPES.items():
             past = rung == "closed_form_printed" and p >= past_kpa
-            status = "reached, past the model" if past else "reached"
+            status = FOLDED_BACK if past else REACHED
             if rung == "axisymmetric":
                 add("tip_mm", "mm", p, rung, 9.9 * p, level="r1")  # coarse: must not be drawn
                 add("tip_mm", "mm", p, rung, slope * p, level="r4", uncertainty=bar_mm)
@@ -261,6 +261,7 @@ def test_beyond(tmp_path: Path, drawn: list[Figure]) -> None:
     assert [ends(line) for line in crosses] == [([24.0], [120.0])] * 2
     levels = {ends(line)[1][0] for line in middle.lines if line.get_linestyle() == "--"}
     assert sorted(levels) == pytest.approx([4.64, 11.0])
+    assert "elongation at break of Dragon Skin 30 (t = 2 mm): 364 %" in [text.get_text() for text in middle.texts]
     unstable = [line for line in strip.lines if line.get_linewidth() == 6.0]
     assert {tuple(ends(line)[1]) for line in unstable} == {(0, 0), (1, 1)}
     assert [text.get_text() for text in strip.texts] == ["1", "1"]
