@@ -15,13 +15,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import MultipleLocator
 
-from meshes.cells import QUADRILATERAL_NODES
 from meshes.gaps import outlines
-from meshes.solid import REGIONS, FloatArray, IntArray, SolidMesh
+from meshes.solid import REGIONS, FloatArray, IntArray
 from solvers.output import pressure_at_nodes
-from solvers.state import State
 from studies.build import scene_meridian
 from studies.levels import fineness
+from studies.measures import find_places, largest_stretches
 from studies.pictures import RingBox
 from studies.plots import figure_file
 from studies.run_log import Run
@@ -97,7 +96,8 @@ def root_panel(scene: Scene, run: Run, run_folder: Path, pressure_kpa: float, la
     if saved is None:
         return None
     state, _ = saved
-    mesh, shape = scene_meridian(scene, fineness(run.summary.level)), shape_of(scene)
+    refinement = fineness(run.summary.level)
+    mesh, shape = scene_meridian(scene, refinement), shape_of(scene)
     first = (scene.geometry.convolutions - 1) // 2
     centres = shape.crest_positions_mm[first : first + 2]
     shifts = np.zeros(2)
@@ -126,28 +126,11 @@ def root_panel(scene: Scene, run: Run, run_folder: Path, pressure_kpa: float, la
         label=label or f"t = {g.wall_mm:g} mm, $R_i$ = {g.root_radius_mm:g} mm",
         points_mm=deformed[used][:, ::-1],
         triangles=triangles.reshape(-1, 3),
-        stretch=_largest_stretch(mesh, cells, state)[used],
+        stretch=largest_stretches(find_places(scene, refinement), state.displacement_mm)[used],
         mean_stress_kpa=1e3 * pressure_at_nodes(mesh, state)[used],
         undeformed_mm=tuple(lines),
         rings=rings,
     )
-
-
-def _largest_stretch(mesh: SolidMesh, cells: IntArray, state: State) -> FloatArray:
-    """Largest principal stretch at the nodes of some cells off the axis, averaged over them; 0 elsewhere."""
-    corners = {6: [[0, 0], [1, 0], [0, 1], [0.5, 0.5], [0, 0.5], [0.5, 0]]}
-    nodes = np.array(corners.get(cells.shape[1], 0.5 * QUADRILATERAL_NODES), dtype=float)
-    slopes = mesh.cell.shape(nodes)[1]
-    jacobian, slope = (np.einsum("cki,qkj->cqij", x[cells], slopes) for x in (mesh.points, state.displacement_mm))
-    gradient = np.eye(2) + slope @ np.linalg.inv(jacobian)
-    sums, count = np.zeros((len(mesh.points), 2, 2)), np.zeros(len(mesh.points))
-    np.add.at(sums, cells, np.swapaxes(gradient, -1, -2) @ gradient)
-    np.add.at(count, cells, 1.0)
-    used = count > 0.0
-    largest = np.zeros(len(mesh.points))
-    in_plane = np.sqrt(np.linalg.eigvalsh(sums[used] / count[used, None, None])[:, 1])
-    largest[used] = np.maximum(in_plane, 1.0 + state.displacement_mm[used, 0] / mesh.points[used, 0])
-    return largest
 
 
 def draw_root_fields(path: Path, panels: Sequence[RootPanel]) -> str:

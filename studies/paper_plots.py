@@ -414,21 +414,26 @@ def _draw_modes(axes: Axes, names: Sequence[str], runs: Sequence[Run]) -> None:
 
 def _draw_blocked_path(axes: Axes, run: Run) -> list[Any]:
     """Draw the force of a path, dashed where it has unstable modes; returns the entries of a legend."""
-    pressures, forces = _path(run, _force)
-    colour = style_of("axisymmetric")["color"]
-    stable = next((k for k, state in enumerate(run.path) if state.unstable_modes > 0.0), len(run.path))
-    dots = [k + 1 for k, state in enumerate(run.path) if state.status == "asked"]
-    look: dict[str, Any] = {"color": colour, "marker": "o", "markersize": 6.0, "markeredgecolor": "white"}
+    points = list(zip(*_path(run, _force), strict=True))
+    look: dict[str, Any] = {"color": style_of("axisymmetric")["color"], "linewidth": 1.8 * _SCALE}
+    first = next((k for k, state in enumerate(run.path) if state.unstable_modes > 0.0), len(run.path))
+    stable, past = points[: first + 1], points[first + 1 :]
+    if past:
+        # the crossing was looked for between the states of the path
+        turn = run.summary.crossing.get("pressure_kpa", stable[-1][0])
+        pressures, forces = zip(stable[-1], past[0], strict=True)
+        at = (turn, float(np.interp(turn, pressures, forces)))
+        stable, past = [*stable, at], [at, *past]
     entries = []
-    for label, places, dash in (
-        (rung_label("axisymmetric"), range(stable + 1), "-"),
-        ("axisymmetric, past the loss of stability", range(stable, len(pressures)), "--"),
+    for label, part, dash in (
+        (rung_label("axisymmetric"), stable, "-"),
+        ("axisymmetric, past the loss of stability", past, "--"),
     ):
-        if len(places) > 1:
-            drawn = [k - places.start for k in dots if k in places]
-            line = ([pressures[k] for k in places], [forces[k] for k in places])
-            entries += axes.plot(*line, label=label, linestyle=dash, linewidth=1.8 * _SCALE, markevery=drawn, **look)
-    _mark_end(axes, run, _force, colour, note=True)
+        if len(part) > 1:
+            entries += axes.plot(*zip(*part, strict=True), label=label, linestyle=dash, **look)
+    asked = [(state.pressure_kpa, state.tip_force_n) for state in run.path if state.status == "asked"]
+    axes.plot(*np.reshape(asked, (-1, 2)).T, linestyle="none", **_dot({"color": look["color"], "marker": "o"}))
+    _mark_end(axes, run, _force, look["color"], note=True)
     return entries
 
 
@@ -558,7 +563,10 @@ def _ending(run: Run) -> str:
     """Where a path ended, the kind of reason if it did not reach what was asked, and where it lost its stability."""
     last = run.path[-1].pressure_kpa if run.path else 0.0
     crossing = run.summary.crossing
-    where = f" at {crossing['pressure_kpa']:.1f} ± {crossing['within_kpa']:.1f} kPa" if crossing else ""
+    where = ""
+    if crossing:
+        digits = 1 if crossing["within_kpa"] >= 0.1 else 2
+        where = f" at {crossing['pressure_kpa']:.{digits}f} ± {crossing['within_kpa']:.{digits}f} kPa"
     if run.summary.status == "reached":
         return f"reaches {last:g} kPa" + (f" ({crossing['kind']}{where})" if crossing else "")
     return f"stops at {last:.1f} kPa ({run.summary.cause or 'no cause given'}{where})"

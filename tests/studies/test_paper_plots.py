@@ -282,17 +282,17 @@ def test_assumptions(tmp_path: Path, drawn: list[Figure]) -> None:
 
 
 def test_blocked(tmp_path: Path, drawn: list[Figure]) -> None:
-    found = results("blocked", make=lambda case: made_up(case, 12.0, cause="bifurcation", crossing_kpa=11.0))
+    found = results("blocked", make=lambda case: made_up(case, 12.0, cause="bifurcation", crossing_kpa=10.6))
     assert paper_plots.draw_blocked(tmp_path / "x.png", found) == ""
     axes = drawn[0].axes[0]
     known = curves(axes)
     assert known["closed form"][1] == pytest.approx([0.0, 1.0, 2.0, 3.0, 4.0])
     assert known["thrust of the pressure alone"][1] == pytest.approx([0.0, 0.5, 1.0, 1.5, 2.0])
-    assert [text.get_text() for text in axes.texts] == ["stops at 12.0 kPa (bifurcation at 11.0 ± 0.5 kPa)"]
-    assert known["axisymmetric"][0] == [0.0, 5.0, 10.0]
+    assert [text.get_text() for text in axes.texts] == ["stops at 12.0 kPa (bifurcation at 10.6 ± 0.5 kPa)"]
+    assert known["axisymmetric"][0] == [0.0, 5.0, 10.0, 10.6]
     past = "axisymmetric, past the loss of stability"
-    assert known[past][0] == [10.0, 11.0, 12.0]
-    assert known[past][1] == pytest.approx([1.5, 1.65, 1.8])
+    assert known[past][0] == [10.6, 11.0, 12.0]
+    assert known[past][1] == pytest.approx([1.59, 1.65, 1.8])
     assert legend(drawn[0]) == ["closed form", "thrust of the pressure alone", "axisymmetric", past]
     assert drawn[0].axes[0].get_ylabel() == "force at the blocked tip, N"
 
