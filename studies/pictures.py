@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     import pyvista
+    from matplotlib.axes import Axes
 
 _SECONDS = 300.0
 _PIXELS_PER_MM = 11.0
@@ -29,6 +30,13 @@ _COLOURS = "YlOrRd"  # light to dark, safe for the colour-blind; pale where noth
 _RING_REGION = 3
 _RING_COLOUR = "#b8b8b8"
 _RIGID_COLOUR, _RIGID_EDGE = "#d8d8d8", "#303030"
+# The view from outside: camera turned so far towards the tip and above the table, degrees.
+_VIEW_DEG = (16.0, 24.0)
+_FAR_MM = 2000.0  # from the camera: parallel projection, so anywhere beyond the body
+_BANDS, _BAND_COLOURS = 9, "YlGnBu"
+_RULER_HEIGHT_MM, _RULER_GAP_MM = 6.5, 3.0
+_RULER_COLOUR, _RULER_END_CM = "#f6eed4", 0.25
+_ROUND = np.radians(np.arange(0.0, 361.0, 2.0))
 _SECTION_OFFSET = 1e-6  # of the body's size: beside the mesh's own faces, where a slice is well defined
 
 # By VTK's number of a quadratic cell: its faces, corners first, and a face as flat triangles.
@@ -108,6 +116,32 @@ def draw_states(path: Path, stills: Sequence[Still]) -> str:
     str
         Empty, or why there is no picture.
     """
+    return _in_child(path, stills, "sections")
+
+
+def draw_side_by_side(path: Path, stills: Sequence[Still]) -> str:
+    """Draw the states from outside, below each other to one scale, as they would lie on a table beside a ruler in cm.
+
+    Coloured by the total displacement in bands of mm, as ANSYS does. The view is oblique, see `_VIEW_DEG`; the ruler
+    lies in it along the axis, so what it says holds for places on the axis.
+
+    Parameters
+    ----------
+    path
+        The PNG to write.
+    stills
+        The states, from top to bottom.
+
+    Returns
+    -------
+    str
+        Empty, or why there is no picture.
+    """
+    return _in_child(path, stills, "outside")
+
+
+def _in_child(path: Path, stills: Sequence[Still], view: str) -> str:
+    """Draw a view of the states in a child process; empty, or why there is no picture."""
     missing = [str(still.vtu) for still in stills if not still.vtu.is_file()]
     if missing:
         return f"no such file: {', '.join(missing)}"
@@ -120,7 +154,7 @@ def draw_states(path: Path, stills: Sequence[Still]) -> str:
     try:
         child = subprocess.run(
             [sys.executable, "-c", code],
-            input=json.dumps({"path": str(path.resolve()), "stills": jobs}),
+            input=json.dumps({"path": str(path.resolve()), "view": view, "stills": jobs}),
             capture_output=True,
             text=True,
             timeout=_SECONDS,
@@ -135,18 +169,18 @@ def draw_states(path: Path, stills: Sequence[Still]) -> str:
 
 
 def _draw_here() -> None:
-    """Draw what standard input asks for; the child's side of `draw_states`."""
+    """Draw what standard input asks for; the child's side of `_in_child`."""
     job = json.load(sys.stdin)
     stills = [
         Still(label, Path(vtu), deformed, tuple(RingBox(*ring) for ring in rings))
         for label, vtu, deformed, rings in job["stills"]
     ]
-    _draw(Path(job["path"]), stills)
-
-
-def _draw(path: Path, stills: Sequence[Still]) -> None:
     os.environ.setdefault("PYVISTA_OFF_SCREEN", "true")
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    {"sections": _draw_sections, "outside": _draw_outside}[job["view"]](Path(job["path"]), stills)
+
+
+def _draw_sections(path: Path, stills: Sequence[Still]) -> None:
     bodies = [_body(still) for still in stills]
     boxes = [*(body.bounds for body in bodies), *(_bounds(ring) for still in stills for ring in still.rings)]
     bounds = np.array(boxes).reshape(-1, 3, 2)
@@ -161,15 +195,16 @@ def _body(still: Still) -> pyvista.UnstructuredGrid:
     import pyvista
 
     body = pyvista.read(still.vtu)
-    if still.deformed:
-        body.points = body.points + body["displacement_mm"]
-    else:
+    if not still.deformed:
+        body["displacement_mm"] = np.zeros_like(body.points)
         body["stretch_max"] = np.ones(body.n_points)
+    body.points = body.points + body["displacement_mm"]
+    body["moved_mm"] = np.linalg.norm(body["displacement_mm"], axis=1)
     return body
 
 
-def _surface(body: pyvista.UnstructuredGrid, cells: NDArray[np.bool_]) -> pyvista.PolyData:
-    """Outer faces of some of the cells as flat triangles, four or eight to a curved face.
+def _surface(body: pyvista.UnstructuredGrid, cells: NDArray[np.bool_], field: str = "stretch_max") -> pyvista.PolyData:
+    """Outer faces of some of the cells as flat triangles, four or eight to a curved face, with one of the fields.
 
     VTK's own surface filter keeps most inner faces of ten-node tetrahedra, fifty times too many.
     """
@@ -183,7 +218,7 @@ def _surface(body: pyvista.UnstructuredGrid, cells: NDArray[np.bool_]) -> pyvist
     outer = faces[first[count == 1]]
     used, triangles = np.unique(outer[:, _FLAT[kind]].reshape(-1, 3), return_inverse=True)
     surface = pyvista.PolyData.from_regular_faces(body.points[used], triangles.reshape(-1, 3))
-    surface["stretch_max"] = body["stretch_max"][used]
+    surface[field] = body[field][used]
     return surface
 
 
@@ -192,25 +227,32 @@ def _bounds(ring: RingBox) -> tuple[float, ...]:
     return (-outer, outer, -outer, outer, ring.centre_mm - half, ring.centre_mm + half)
 
 
-def _add_ring(plotter: pyvista.Plotter, ring: RingBox) -> None:
-    """Draw a ring as the body is drawn: without its front lower quarter, the cut and the outline dark-edged."""
+def _ring_shell(ring: RingBox, angles: NDArray[Any]) -> tuple[NDArray[Any], pyvista.PolyData]:
+    """Corners of a ring's section at angles, shape (angles, 4, 3), and the surface they sweep."""
     import pyvista
 
-    outer, half = ring.inner_radius_mm + ring.height_mm, 0.5 * ring.width_mm
-    inner, left, right = ring.inner_radius_mm, ring.centre_mm - half, ring.centre_mm + half
-    radii, places = np.array([inner, outer, outer, inner]), np.array([left, left, right, right])
-    # From the cut at -180 degrees (-x) through the back (-y) and the top (x) to the front (y).
-    angles = np.radians(np.arange(-180.0, 91.0, 2.0))
-    axial = np.broadcast_to(places, (angles.size, 4))
+    inner, outer, half = ring.inner_radius_mm, ring.inner_radius_mm + ring.height_mm, 0.5 * ring.width_mm
+    radii = np.array([inner, outer, outer, inner])
+    axial = np.broadcast_to(ring.centre_mm + half * np.array([-1.0, -1.0, 1.0, 1.0]), (angles.size, 4))
     corners = np.stack([np.outer(np.cos(angles), radii), np.outer(np.sin(angles), radii), axial], axis=2)
     first = 4 * np.arange(angles.size - 1)[:, None] + np.arange(4)
     after = 4 * np.arange(angles.size - 1)[:, None] + (np.arange(4) + 1) % 4
     sides = np.stack([first, after, after + 4, first + 4], axis=2).reshape(-1, 4)
     shell = pyvista.PolyData.from_regular_faces(corners.reshape(-1, 3), sides)
-    shell = shell.compute_normals(split_vertices=True, feature_angle=40.0)
+    return corners, shell.compute_normals(split_vertices=True, feature_angle=40.0)
+
+
+def _add_ring(plotter: pyvista.Plotter, ring: RingBox) -> None:
+    """Draw a ring as the body is drawn: without its front lower quarter, the cut and the outline dark-edged."""
+    import pyvista
+
+    # From the cut at -180 degrees (-x) through the back (-y) and the top (x) to the front (y).
+    corners, shell = _ring_shell(ring, np.radians(np.arange(-180.0, 91.0, 2.0)))
     plotter.add_mesh(shell, color=_RIGID_COLOUR, smooth_shading=True, ambient=0.35, diffuse=1.0)
     cut = pyvista.PolyData.from_regular_faces(corners[0], np.arange(4)[None])
     plotter.add_mesh(cut, color=_RIGID_COLOUR, lighting=False)
+    outer, half = ring.inner_radius_mm + ring.height_mm, 0.5 * ring.width_mm
+    left, right = ring.centre_mm - half, ring.centre_mm + half
     seen = np.array([[0.0, 0.0, left], [outer, 0.0, left], [outer, 0.0, right], [0.0, 0.0, right]])
     seen[:, 1] = 2.0 * outer  # in front of the ring, whose outline it is
     for outline in (seen, corners[0]):
@@ -226,16 +268,8 @@ def _image(
     largest: float,
 ) -> NDArray[np.uint8]:
     """Half section of a body seen along -y, z to the right and x upwards, its box filling the image."""
-    import pyvista
-
     size = highest - lowest
-    pixels = min(_PIXELS_PER_MM, _LARGEST_WIDTH_PX / size[2])
-    plotter = pyvista.Plotter(
-        off_screen=True, window_size=[round(pixels * size[2]), round(pixels * size[0])], lighting="none"
-    )
-    plotter.set_background("white")
-    for position, intensity in (((2.0, 3.0, -1.5), 0.55), ((-1.0, 3.0, 2.0), 0.3)):
-        plotter.add_light(pyvista.Light(position=position, light_type="scene light", intensity=intensity))
+    plotter = _plotter(size[2], size[0])
     look = {"scalars": "stretch_max", "clim": (1.0, largest), "cmap": _COLOURS, "show_scalar_bar": False}
     cut = _SECTION_OFFSET * float(size.max())
     is_ring = body["region"] == _RING_REGION
@@ -261,11 +295,31 @@ def _image(
     for ring in rings:
         _add_ring(plotter, ring)
     middle = 0.5 * (lowest + highest)
+    return _take(plotter, middle, np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0]), size[0])
+
+
+def _plotter(width_mm: float, height_mm: float) -> pyvista.Plotter:
+    """An empty white scene with its lights, for an image of that size."""
+    import pyvista
+
+    pixels = min(_PIXELS_PER_MM, _LARGEST_WIDTH_PX / width_mm)
+    window = [round(pixels * width_mm), round(pixels * height_mm)]
+    plotter = pyvista.Plotter(off_screen=True, window_size=window, lighting="none")
+    plotter.set_background("white")
+    for position, intensity in (((2.0, 3.0, -1.5), 0.55), ((-1.0, 3.0, 2.0), 0.3)):
+        plotter.add_light(pyvista.Light(position=position, light_type="scene light", intensity=intensity))
+    return plotter
+
+
+def _take(
+    plotter: pyvista.Plotter, middle: NDArray[Any], towards: NDArray[Any], upwards: NDArray[Any], height_mm: float
+) -> NDArray[np.uint8]:
+    """The image in parallel projection, from the unit vectors to the camera and upwards in it; closes the scene."""
     plotter.camera.focal_point = middle
-    plotter.camera.position = middle + np.array([0.0, 10.0 * size.max(), 0.0])
-    plotter.camera.up = (1.0, 0.0, 0.0)
+    plotter.camera.position = middle + _FAR_MM * towards
+    plotter.camera.up = upwards
     plotter.enable_parallel_projection()
-    plotter.camera.parallel_scale = 0.5 * size[0]
+    plotter.camera.parallel_scale = 0.5 * height_mm
     plotter.reset_camera_clipping_range()
     plotter.enable_anti_aliasing("ssaa")
     image = plotter.screenshot(return_img=True)
@@ -307,3 +361,113 @@ def _compose(
     )
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=160)
+
+
+# --- the view from outside ------------------------------------------------------------------
+
+
+def _draw_outside(path: Path, stills: Sequence[Still]) -> None:
+    bodies = [_body(still) for still in stills]
+    towards, plane = _view()
+    rings = [_ring_shell(ring, _ROUND)[0].reshape(-1, 3) for still in stills for ring in still.rings]
+    seen = np.vstack([*(body.points for body in bodies), *rings]) @ plane.T
+    lowest, highest = seen.min(axis=0) - _MARGIN_MM, seen.max(axis=0) + _MARGIN_MM
+    longest = max(float(body.points[:, 2].max()) for body in bodies)
+    largest = max(float(body["moved_mm"].max()) for body in bodies)
+    images = []
+    for body, still in zip(bodies, stills, strict=True):
+        plotter = _plotter(*(highest - lowest))
+        _add_outside(plotter, body, still.rings, largest)
+        images.append(_take(plotter, 0.5 * (lowest + highest) @ plane, towards, plane[1], highest[1] - lowest[1]))
+    extent = (lowest[0], highest[0], lowest[1], highest[1])
+    _compose_outside(path, [still.label for still in stills], images, extent, largest, longest, plane[0, 2])
+
+
+def _view() -> tuple[NDArray[Any], NDArray[Any]]:
+    """Unit vector to the camera, and those to the right and upwards in the image as rows.
+
+    x is up, y to the front; the camera is rolled so that the axis is level in the image.
+    """
+    turned, raised = np.radians(_VIEW_DEG)
+    towards = np.array([np.sin(raised), np.cos(raised) * np.cos(turned), np.cos(raised) * np.sin(turned)])
+    right = np.array([0.0, 0.0, 1.0]) - towards[2] * towards
+    right /= np.linalg.norm(right)
+    return towards, np.stack([right, np.cross(towards, right)])
+
+
+def _add_outside(
+    plotter: pyvista.Plotter, body: pyvista.UnstructuredGrid, rings: Sequence[RingBox], largest: float
+) -> None:
+    """Add the outer surface of a body in bands of displacement, and its rings in grey."""
+    import pyvista
+
+    bands = {"scalars": "moved_mm", "clim": (0.0, largest), "cmap": _BAND_COLOURS, "n_colors": _BANDS}
+    look: dict[str, Any] = {"smooth_shading": True, "ambient": 0.55, "diffuse": 0.8, "show_scalar_bar": False}
+    is_ring = body["region"] == _RING_REGION
+    for of_ring, colour in ((False, bands), (True, {"color": _RING_COLOUR})):
+        if (is_ring == of_ring).any():
+            surface = _surface(body, is_ring == of_ring, "moved_mm")
+            surface = surface.compute_normals(split_vertices=True, feature_angle=40.0)
+            plotter.add_mesh(surface, **colour, **look)
+    for ring in rings:
+        corners, shell = _ring_shell(ring, _ROUND)
+        plotter.add_mesh(shell, color=_RIGID_COLOUR, **look)
+        for edge in range(4):
+            circle = pyvista.lines_from_points(corners[:, edge])
+            plotter.add_mesh(circle, color=_RIGID_EDGE, line_width=1.5, lighting=False)
+
+
+def _compose_outside(
+    path: Path,
+    labels: Sequence[str],
+    images: Sequence[NDArray[np.uint8]],
+    extent_mm: tuple[float, float, float, float],
+    largest: float,
+    longest_mm: float,
+    shortening: float,
+) -> None:
+    """Put the images below each other, each above a ruler along the axis, and one colour bar in bands.
+
+    A length on the axis is ``shortening`` times as long in the image.
+    """
+    from matplotlib import colormaps
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import BoundaryNorm
+    from matplotlib.figure import Figure
+
+    left, right, low, high = extent_mm
+    length_cm, cm = int(np.ceil(0.1 * longest_mm)), 10.0 * shortening
+    right = max(right, (length_cm + _RULER_END_CM) * cm + _MARGIN_MM)
+    width_in = 9.6
+    row_in = width_in * (high - low + _RULER_GAP_MM + _RULER_HEIGHT_MM) / (right - left) + 0.3
+    figure = Figure(figsize=(width_in, 0.8 + row_in * len(images)), layout="constrained")
+    FigureCanvasAgg(figure)
+    rows = figure.subplots(len(images), 1, squeeze=False)[:, 0]
+    for axes, image, label in zip(rows, images, labels, strict=True):
+        axes.imshow(image, extent=extent_mm, interpolation="antialiased")
+        _draw_ruler(axes, low - _RULER_GAP_MM, length_cm, cm)
+        axes.set_xlim(left, right)
+        axes.set_ylim(low - _RULER_GAP_MM - _RULER_HEIGHT_MM, high)
+        axes.set_title(label, loc="left", fontsize=10)
+        axes.axis("off")
+    bounds = np.linspace(0.0, largest, _BANDS + 1)
+    scale = ScalarMappable(BoundaryNorm(bounds, _BANDS), colormaps[_BAND_COLOURS].resampled(_BANDS))
+    bar = figure.colorbar(scale, ax=rows, location="top", aspect=60, fraction=0.03, pad=0.02, ticks=bounds)
+    bar.ax.set_xticklabels([f"{bound:.1f}" for bound in bounds])
+    bar.set_label("total displacement, mm")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=160)
+
+
+def _draw_ruler(axes: Axes, top: float, length_cm: int, unit: float) -> None:
+    """Draw a ruler in cm from 0 on, its upper edge at a height; a centimetre is ``unit`` long."""
+    low = top - _RULER_HEIGHT_MM
+    ends = [-_RULER_END_CM * unit, (length_cm + _RULER_END_CM) * unit]
+    axes.fill_between(ends, low, top, facecolor=_RULER_COLOUR, edgecolor="#6b6b6b")
+    for mm in range(10 * length_cm + 1):
+        depth, width = (2.8, 0.9) if mm % 10 == 0 else (2.0, 0.5) if mm % 5 == 0 else (1.2, 0.4)
+        axes.plot([0.1 * mm * unit] * 2, [top, top - depth], color="black", linewidth=width)
+    for cm in range(length_cm + 1):
+        axes.text(cm * unit, low + 0.25 * _RULER_HEIGHT_MM, f"{cm}", ha="center", va="center", fontsize=7.5)
+    axes.text(0.5 * unit, low + 0.25 * _RULER_HEIGHT_MM, "cm", ha="center", va="center", fontsize=7.5)

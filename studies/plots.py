@@ -9,6 +9,7 @@ from itertools import cycle
 from pathlib import Path
 from typing import Any
 
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
@@ -33,6 +34,8 @@ _STYLES: dict[str, dict[str, Any]] = {
     "axisymmetric": {"color": BLUE, "linestyle": "-", "marker": "o"},
     "sector": {"color": SKY, "linestyle": "-.", "marker": "h"},
     "full3d": {"color": VERMILION, "linestyle": "none", "marker": "s"},
+    # large and hollow: seen round the hexahedra's where both agree
+    "full3d_tets": {"color": VERMILION, "linestyle": "none", "marker": "s", "markerfacecolor": "none"},
     "paper_closed_form": {"color": ORANGE, "linestyle": "none", "marker": "P"},
     "paper_ansys": {"color": PURPLE, "linestyle": "none", "marker": "D"},
     "paper_experiment": {"color": BLACK, "linestyle": "none", "marker": "*"},
@@ -109,42 +112,75 @@ def draw_elongation(
     """
     with figure_file(path, 8.2, 4.9) as figure:
         axes = figure.add_subplot()
-        others = cycle(_OTHERS)
-        entries: list[Any] = []
-        for place, curve in enumerate(curves):
-            style = dict(_STYLES.get(curve.rung) or next(others))
-            style["markersize"] = {"*": 13.0, "P": 10.0}.get(style["marker"], 6.5)
-            if not curve.markers:
-                style["marker"] = "none"
-            if style["linestyle"] == "none":
-                style |= {"markeredgecolor": _edge(curve.rung), "markeredgewidth": 0.8}
-            entries.append(
-                axes.errorbar(
-                    curve.pressure_kpa,
-                    curve.tip_mm,
-                    yerr=curve.uncertainty_mm or None,
-                    label=curve.label,
-                    linewidth=1.8,
-                    elinewidth=1.2,
-                    capsize=3.5,
-                    zorder=3.0 + 0.01 * place,
-                    **style,
-                )
-            )
-            if curve.stopped:
-                look: dict[str, Any] = {"marker": "x", "markersize": 11, "markeredgewidth": 2.6, "linestyle": "none"}
-                pressure, tip = curve.stopped_at
-                entries += axes.plot(pressure, tip, color=style["color"], label=curve.stopped, zorder=5.0, **look)
+        entries = draw_curves(axes, curves)
         axes.set_xlabel("cavity pressure, kPa")
         axes.set_ylabel(label)
         drawn = [tip for curve in curves for tip in curve.tip_mm]
-        axes.set_xlim(1.04 * min(0.0, *asked_kpa), 1.04 * max(0.0, *asked_kpa))
         axes.set_ylim(bottom=1.04 * min([0.0, *drawn]))
-        if len(asked_kpa) <= 8:
-            axes.set_xticks([0.0, *asked_kpa])
-        axes.grid(color="#e4e4e4", zorder=0)
-        axes.set_axisbelow(True)
+        set_pressure_axis(axes, asked_kpa)
         axes.legend(handles=entries, **BESIDE)
+
+
+def draw_curves(axes: Axes, curves: Sequence[Curve], scale: float = 1.0) -> list[Any]:
+    """Draw curves on axes, each in the look of its rung; markers and lines are that much larger.
+
+    Returns
+    -------
+    list
+        Entries of a legend, in the order of the curves.
+    """
+    others = cycle(_OTHERS)
+    entries: list[Any] = []
+    for place, curve in enumerate(curves):
+        style = style_of(curve.rung) or dict(next(others))
+        style["markersize"] = scale * {"*": 13.0, "P": 10.0}.get(style["marker"], 6.5)
+        if "markerfacecolor" in style:
+            style["markersize"] *= 1.6
+        elif style["linestyle"] == "none":
+            style |= {"markeredgecolor": _edge(curve.rung), "markeredgewidth": 0.8}
+        if not curve.markers:
+            style["marker"] = "none"
+        entries.append(
+            axes.errorbar(
+                curve.pressure_kpa,
+                curve.tip_mm,
+                yerr=curve.uncertainty_mm or None,
+                label=curve.label,
+                linewidth=1.8 * scale,
+                elinewidth=1.2 * scale,
+                capsize=3.5 * scale,
+                zorder=3.0 + 0.01 * place,
+                **style,
+            )
+        )
+        if curve.stopped:
+            entries += mark_stop(axes, curve.stopped_at, style["color"], curve.stopped, scale)
+    return entries
+
+
+def mark_stop(axes: Axes, at: tuple[float, float], colour: str, label: str, scale: float = 1.0) -> list[Any]:
+    """Draw the cross where a run ended, at (x, y); returns its entry of a legend."""
+    look: dict[str, Any] = {
+        "marker": "x",
+        "markersize": 11 * scale,
+        "markeredgewidth": 2.6 * scale,
+        "linestyle": "none",
+    }
+    return list(axes.plot(*at, color=colour, label=label, zorder=5.0, **look))
+
+
+def set_pressure_axis(axes: Axes, asked_kpa: Sequence[float]) -> None:
+    """Limits and ticks of a pressure axis that reaches all asked pressures (kPa), and a grid behind the curves."""
+    axes.set_xlim(1.04 * min(0.0, *asked_kpa), 1.04 * max(0.0, *asked_kpa))
+    if len(asked_kpa) <= 8:
+        axes.set_xticks([0.0, *asked_kpa])
+    axes.grid(color="#e4e4e4", zorder=0)
+    axes.set_axisbelow(True)
+
+
+def style_of(rung: str) -> dict[str, Any]:
+    """Colour, dash and marker of a rung; empty if it has none of its own."""
+    return dict(_STYLES.get(rung, {}))
 
 
 def draw_overview(path: Path, scenes: Sequence[str], values_mm: Mapping[tuple[str, str], Sequence[float]]) -> None:
@@ -163,7 +199,7 @@ def draw_overview(path: Path, scenes: Sequence[str], values_mm: Mapping[tuple[st
         axes = figure.add_subplot()
         others = cycle(_OTHERS)
         for place, ((rung, label), values) in enumerate(values_mm.items()):
-            style = dict(_STYLES.get(rung) or next(others)) | {"linestyle": "none"}
+            style = (style_of(rung) or next(others)) | {"linestyle": "none"}
             offset = 0.09 * (place - 0.5 * (len(values_mm) - 1))
             axes.plot(
                 values,
