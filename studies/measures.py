@@ -205,7 +205,10 @@ def largest_stretches(places: Places, displacement_mm: FloatArray) -> FloatArray
         np.moveaxis(np.tensordot(x[cells], slopes, (1, 1)), 1, 2)
         for x in (places.points, places.points + displacement_mm)
     )
-    gradient = after @ np.linalg.inv(before)
+    # by Cramer's rule: numpy's inverse of a hundred thousand 2 x 2 matrices takes twenty times as long
+    a, b, c, d = before[..., 0, 0], before[..., 0, 1], before[..., 1, 0], before[..., 1, 1]
+    inverse = np.stack([np.stack([d, -b], axis=-1), np.stack([-c, a], axis=-1)], axis=-2)
+    gradient = after @ (inverse / (a * d - b * c)[..., None, None])
     tensor = np.swapaxes(gradient, -1, -2) @ gradient
     at, count = cells.ravel(), len(places.points)
     share = np.maximum(np.bincount(at, minlength=count), 1)

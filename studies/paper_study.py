@@ -10,17 +10,20 @@ from pathlib import Path
 
 from mpi4py import MPI
 
+from analytical import bellows_loads, chains
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
-from studies import provenance
-from studies.measures import measured_rows
+from studies import compare, measures, provenance, uncertainty
+from studies.drawn import key_of
 from studies.paper_cases import AUDIT_BODY_LEVEL, Case, case_text
 from studies.paper_results import CaseResult, PaperResults
 from studies.plan import SECTOR_LEVELS, make_plan
 from studies.progress import Progress
+from studies.results import write_text_atomically
+from studies.rows import Row, read_rows, write_rows
 from studies.runs import run_axisymmetric, run_body
 from studies.scene import Scene, in_hexahedra, load_scene
-from studies.session import SCENE_FILE, read_scene_folder, run_plan
+from studies.session import SCENE_FILE, SceneResult, read_scene_folder, run_plan
 
 SCENES = provenance.ROOT / "scenes"
 
@@ -89,6 +92,16 @@ def read_results(folder: Path, cases: Sequence[Case]) -> PaperResults:
         place = folder / case.place
         if (place / SCENE_FILE).exists():
             result = read_scene_folder(place, current=True)
-            measured = measured_rows(result.scene, result.axisymmetric, place)
-            found.append(CaseResult(case, place, result, tuple(measured)))
+            found.append(CaseResult(case, place, result, _measured(place, result)))
     return PaperResults(tuple(found))
+
+
+def _measured(place: Path, result: SceneResult) -> tuple[Row, ...]:
+    """The measured rows of a case; kept beside its runs, for measuring some hundred states takes a minute."""
+    hashes = [run.summary.content_hash for run in result.axisymmetric]
+    key = key_of(hashes, code=[measures, chains, bellows_loads, compare, uncertainty])
+    rows_file, key_file = place / "measured.csv", place / "measured.key"
+    if not (rows_file.exists() and key_file.exists() and key_file.read_text(encoding="utf-8") == key):
+        write_rows(rows_file, measures.measured_rows(result.scene, result.axisymmetric, place))
+        write_text_atomically(key_file, key)
+    return tuple(read_rows(rows_file))
