@@ -6,7 +6,7 @@ SHELL := /bin/bash
 PYTHON := .venv/bin/python
 MPIRUN ?= /usr/bin/mpirun
 SCENES ?= $(wildcard scenes/*.toml)
-EXAMPLES ?= study exact closed-form dimensions
+EXAMPLES ?= paper exact closed-form dimensions
 
 # --- ranks and threads ----------------------------------------------------------------------
 # One rank: BLAS may use all cores. Several ranks: one thread each, or they fight for the cores. Two ranks
@@ -87,20 +87,31 @@ test-slow: check ## the slow tests
 
 # --- studies --------------------------------------------------------------------------------
 .PHONY: study
-study: check ## the whole validation study -> results/study
-	$(LAUNCH) -m studies study --out results/study
+study: study-paper ## the main study, which is that of the paper
+
+.PHONY: study-paper
+study-paper: check ## the paper's four actuators by every model, and variants -> results/paper
+	$(LAUNCH) -m studies paper --out results/paper
+
+.PHONY: study-core
+study-core: check ## the four actuators without the variants -> results/paper
+	$(LAUNCH) -m studies paper --core --out results/paper
+
+.PHONY: study-paper-audit
+study-paper-audit: check ## the same, and finer meshes that must lie within its uncertainties -> results/paper
+	$(LAUNCH) -m studies paper --audit --out results/paper
 
 .PHONY: study-smoke
-study-smoke: check ## the same on the coarsest meshes, in minutes -> results/study-smoke
-	$(LAUNCH) -m studies study --smoke --out results/study-smoke
+study-smoke: check ## two convolutions by every model, in a minute -> results/study-smoke
+	$(LAUNCH) -m studies smoke --out results/study-smoke
 
 .PHONY: batch
 batch: check ## run SCENES (default scenes/*.toml) -> results/batch
 	$(LAUNCH) -m studies batch $(SCENES) --out results/batch
 
 .PHONY: report
-report: check ## render the report of results/study again from its rows
-	$(PYTHON) -m studies report results/study
+report: check ## render the report of results/paper again from its runs
+	$(PYTHON) -m studies report results/paper
 
 .PHONY: study-exact
 study-exact: check ## bodies with exact answers, every model of each -> results/exact

@@ -25,13 +25,10 @@ tip = "cap"                 # cap | rigid (a plate)
 cap_mm = 5.0
 
 [rings]
-model = "rigid"             # rigid | meshed | none
+model = "auto"              # auto: rigid unless the tolerance needs them meshed | rigid | meshed | none
 material = "pla"            # pla | polyethylene (for their mass, and when meshed)
 seat_mm = 4.0
-bond = "adhesive"           # adhesive (normal, tangential, graded) | rigid
-bond_normal_mpa_per_mm = 5.0
-bond_tangential_mpa_per_mm = 2.0
-bond_grading_mm = 1.0
+bond = "rigid"              # rigid | adhesive: a layer, see bond_normal_mpa_per_mm and its like in studies/scene.py
 height_mm = 2.0
 edge_radius_mm = 0.5
 """

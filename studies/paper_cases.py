@@ -71,19 +71,40 @@ def _variant(group: Group, base: str, suffix: str, label: str, changes: Mapping[
 
 
 RING_VARIANTS: tuple[tuple[str, str, dict[str, Any]], ...] = (
-    ("ring-rigid", "rigid", {"rings.bond": "rigid"}),
+    ("ring-rigid", "rigid", {"rings.model": "rigid"}),
     ("ring-pla", "meshed PLA", {"rings.model": "meshed", "rings.material": "pla"}),
     ("ring-polyethylene", "meshed polyethylene", {"rings.model": "meshed", "rings.material": "polyethylene"}),
 )
 
-# Variants of the bond's edge on the actuator that unfolds most.
-BOND_BASES = (REFERENCE_SCENES[0],)
-BOND_VARIANTS: tuple[tuple[str, str, dict[str, Any]], ...] = (
-    ("bond-graded", "adhesive 5 / 2, graded over 1 mm (default)", {}),
-    ("bond-uniform", "adhesive 5 / 2, not graded", {"rings.bond_grading_mm": 0.0}),
-    ("bond-rigid", "rigid bond", {"rings.bond": "rigid"}),
-)
+BOND_KPA = [5.0, 10.0, 15.0, 20.0, 25.0, 30.0]
 
+
+def _adhesive(normal: float, tangential: float, grading_mm: float) -> dict[str, Any]:
+    """Keys of a layer of adhesive, MPa/mm."""
+    return {
+        "rings.bond": "adhesive",
+        "rings.bond_normal_mpa_per_mm": normal,
+        "rings.bond_tangential_mpa_per_mm": tangential,
+        "rings.bond_grading_mm": grading_mm,
+    }
+
+
+# Variants of the bond, its edge and the crest's shape. Sil-Poxy, 0.3 mm thick, E about 1.7 MPa: 5 and 2 MPa/mm.
+BOND_VARIANTS: tuple[tuple[str, str, dict[str, Any]], ...] = (
+    ("bond-rigid", "rigid bond (default)", {}),
+    ("bond-300", "layer 300 / 300 MPa/mm", _adhesive(300.0, 300.0, 0.0)),
+    ("bond-50-20", "layer 50 / 20 MPa/mm", _adhesive(50.0, 20.0, 0.0)),
+    ("bond-5-2", "Sil-Poxy, 5 / 2 MPa/mm", _adhesive(5.0, 2.0, 0.0)),
+    ("bond-5-2-graded", "Sil-Poxy, graded over 1 mm", _adhesive(5.0, 2.0, 1.0)),
+)
+# Tried on one actuator: what a graded edge does by itself, and other shapes of the crest.
+MORE_BOND_VARIANTS: tuple[tuple[str, str, dict[str, Any]], ...] = (
+    ("bond-50-20-graded", "layer 50 / 20 MPa/mm, graded over 1 mm", _adhesive(50.0, 20.0, 1.0)),
+    ("bond-meshed-pla", "meshed PLA, nodes shared", {"rings.model": "meshed"}),
+    ("bond-seat-2", "rigid bond, seat 2 mm", {"rings.seat_mm": 2.0}),
+    ("bond-fillet-02", "rigid bond, fillets 0.2 mm", {"geometry.fillet_mm": 0.2}),
+    ("bond-fillet-1", "rigid bond, fillets 1 mm", {"geometry.fillet_mm": 1.0}),
+)
 
 # Meridian of the audit: finer than all that the study's uncertainties are told from.
 AUDIT_LEVEL = 8
@@ -121,10 +142,11 @@ def cases() -> tuple[Case, ...]:
         found.append(_variant("convention", base, "mu-alpha", "Ogden as mu/alpha", other))
         found.append(_variant("silicone", base, "in-10", "in Dragon Skin 10", {"material": DRAGON_SKIN_10}))
     found += [_variant("silicone", base, "in-30", "in Dragon Skin 30", {"material": DRAGON_SKIN_30}) for base in THIN]
-    for base in BOND_BASES:
+    for base in THIN:
+        more = MORE_BOND_VARIANTS if base == THIN[0] else ()
         found += [
-            _variant("bond", base, suffix, label, {"load.pressure_kpa": BEYOND_KPA, **changes})
-            for suffix, label, changes in BOND_VARIANTS
+            _variant("bond", base, suffix, label, {"load.pressure_kpa": BOND_KPA, **changes})
+            for suffix, label, changes in (*BOND_VARIANTS, *more)
         ]
     return tuple(found)
 

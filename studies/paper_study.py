@@ -5,6 +5,7 @@ Axisymmetric runs are shared out, one rank each; bodies take all ranks. What is 
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -15,13 +16,14 @@ from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
 from studies import compare, measures, provenance, uncertainty
 from studies.drawn import key_of
-from studies.paper_cases import AUDIT_BODY_LEVEL, Case, case_text
+from studies.paper_cases import AUDIT_BODY_LEVEL, Case, audit_cases, case_text, cases
 from studies.paper_results import CaseResult, PaperResults
 from studies.plan import SECTOR_LEVELS, make_plan
 from studies.progress import Progress
 from studies.results import write_text_atomically
 from studies.rows import Row, read_rows, write_rows
-from studies.runs import run_axisymmetric, run_body
+from studies.run_log import finished_run
+from studies.runs import run_axisymmetric, run_body, run_hash
 from studies.scene import Scene, in_hexahedra, load_scene
 from studies.session import SCENE_FILE, SceneResult, read_scene_folder, run_plan
 
@@ -57,15 +59,24 @@ def run_cases(folder: Path, cases: Sequence[Case], comm: MPI.Comm, progress: Pro
 
 
 def _run_axisymmetric(folder: Path, scenes: dict[Case, Scene], comm: MPI.Comm, progress: Progress) -> list[str]:
-    """All axisymmetric runs, shared out over the ranks, the longest first."""
-    jobs = sorted(((level, case) for case in scenes for level in case.levels), key=lambda job: -job[0])
+    """All axisymmetric runs, each content once, shared out over the ranks, the longest first."""
+    alike: dict[str, list[tuple[Case, int]]] = {}
+    for case in scenes:
+        for level in case.levels:
+            alike.setdefault(run_hash(scenes[case], "axisymmetric", f"r{level}"), []).append((case, level))
+    jobs = sorted(alike.values(), key=lambda same: -same[0][1])
     faults = []
-    for level, case in jobs[comm.rank :: comm.size]:
+    for (case, level), *same in jobs[comm.rank :: comm.size]:
         place = folder / case.place / f"axisymmetric-r{level}"
         try:
-            run_axisymmetric(scenes[case], level, place, MPI.COMM_SELF, progress)
+            run = run_axisymmetric(scenes[case], level, place, MPI.COMM_SELF, progress)
         except (GeometryError, MeshError, SolverError) as error:
             faults.append(f"{case.place} r{level}: {error}")
+            continue
+        for other, _ in same:
+            copy = folder / other.place / place.name
+            if finished_run(copy, run.summary.content_hash) is None:
+                shutil.copytree(place, copy, dirs_exist_ok=True)
     return [fault for of_rank in comm.allgather(faults) for fault in of_rank]
 
 
@@ -105,3 +116,16 @@ def _measured(place: Path, result: SceneResult) -> tuple[Row, ...]:
         write_rows(rows_file, measures.measured_rows(result.scene, result.axisymmetric, place))
         write_text_atomically(key_file, key)
     return tuple(read_rows(rows_file))
+
+
+def write_report(folder: Path) -> tuple[PaperResults, Path]:
+    """Write the report of all that has been run into a folder; what was found, and the page."""
+    results = read_results(folder, (*cases(), *audit_cases()))
+    facts = {
+        "commit": provenance.commit(),
+        "date": provenance.now(),
+        "machine": provenance.machine(),
+        "BLAS": provenance.blas(),
+        **provenance.versions(),
+    }
+    return results, write_paper_report(folder, results, facts)
