@@ -8,13 +8,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final
 
-from studies.compare import main_quantity, scene_rows
+from studies.compare import main_quantity, scene_rows, tip_at
+from studies.levels import fineness, ranking
 from studies.paper_cases import REFERENCE_SCENES
 from studies.paper_numbers import HIGHEST_KPA, PRESSURES_KPA, is_known, named, tip
 from studies.paper_results import CaseResult, PaperResults, find
 from studies.rows import Row
+from studies.run_log import Run
 from studies.tables import MISSING, Table, difference_percent, rounded_up, up
 
 UNCERTAINTY_PERCENT, GAP_PERCENT, INSIDE_PERCENT = 1.0, 0.5, 95.0
@@ -53,34 +55,55 @@ class Check:
 
 def meridian_checks(results: PaperResults) -> tuple[Check, ...]:
     """Band of every axisymmetric mesh, from it and the coarser ones, against the next finer mesh; all cases."""
-    return tuple(check for case in results.cases for check in _checks(case, "axisymmetric"))
+    return tuple(check for case in _audited(results) for check in _meridian_checks(case, _finer(results, case)))
 
 
 def body_checks(results: PaperResults) -> tuple[Check, ...]:
-    """Band of every full 3D mesh, from it and the coarser ones, against the finest mesh; all cases."""
-    return tuple(check for case in results.cases for check in _checks(case, "full3d"))
+    """Stated band of every full 3D mesh, from it and the coarser ones, against the finest mesh; all cases."""
+    return tuple(check for case in _audited(results) for check in _body_checks(case, _finer(results, case)))
 
 
-def _checks(case: CaseResult, rung: Literal["axisymmetric", "full3d"]) -> list[Check]:
-    """Checks of a case: a band takes two meridians, or one number of cells round beside an axisymmetric run."""
-    result = case.result
-    runs = result.axisymmetric if rung == "axisymmetric" else result.full3d
-    quantity = main_quantity(result.scene)
+def _audited(results: PaperResults) -> tuple[CaseResult, ...]:
+    return tuple(case for case in results.cases if case.case.group != "audit")
+
+
+def _finer(results: PaperResults, case: CaseResult) -> CaseResult | None:
+    """The case with finer meshes of the same scene."""
+    return results.variant(case.case.base, "audit") if case.case.group in ("core", "alternates") else None
+
+
+def _meridian_checks(case: CaseResult, audit: CaseResult | None) -> list[Check]:
+    """A band takes two meshes."""
+    runs = list(case.result.axisymmetric)
+    finest = max((fineness(run.summary.level) for run in runs), default=0)
+    more = [r for r in (audit.result.axisymmetric if audit else ()) if fineness(r.summary.level) > finest]
     found = []
-    for count in range(2 if rung == "axisymmetric" else 1, len(runs)):
-        level = runs[count - 1].summary.level
-        finer = runs[count if rung == "axisymmetric" else -1].summary.level
-        if rung == "axisymmetric":
-            rows = scene_rows(result.scene, runs[:count])
-        else:
-            rows = scene_rows(result.scene, result.axisymmetric, full3d=runs[:count])
-        for pressure in result.scene.load.pressure_kpa:
-            row = find(rows, quantity, rung, pressure, level)
-            fine = find(result.rows, quantity, rung, pressure, finer)
-            if row and fine and is_known(row) and is_known(fine) and math.isfinite(row.uncertainty):
-                found.append(
-                    Check(case.case.name, rung, pressure, level, finer, row.value, row.uncertainty, fine.value)
-                )
+    for count, finer in enumerate([*runs, *more][2:], start=2):
+        if count <= len(runs):
+            found += _checks(case, scene_rows(case.result.scene, runs[:count]), runs[count - 1], finer)
+    return found
+
+
+def _body_checks(case: CaseResult, audit: CaseResult | None) -> list[Check]:
+    """A band takes one mesh, beside the axisymmetric runs and the sectors."""
+    result, found = case.result, []
+    runs = sorted([*result.full3d, *(audit.result.full3d if audit else ())], key=lambda r: ranking(r.summary.level))
+    for count, run in enumerate(result.full3d, start=1):
+        if run is not runs[-1]:
+            rows = scene_rows(result.scene, result.axisymmetric, result.sector, result.full3d[:count])
+            found += _checks(case, rows, run, runs[-1])
+    return found
+
+
+def _checks(case: CaseResult, rows: Sequence[Row], run: Run, finer: Run) -> list[Check]:
+    """Bands in rows of one run against another run at every asked pressure that both reached."""
+    quantity, rung, level = main_quantity(case.result.scene), run.summary.rung, run.summary.level
+    found = []
+    for pressure in case.result.scene.load.pressure_kpa:
+        row, fine = find(rows, quantity, rung, pressure, level), tip_at(finer, pressure, quantity)
+        if row and is_known(row) and math.isfinite(row.uncertainty) and math.isfinite(fine):
+            band = (row.value, row.uncertainty, fine)
+            found.append(Check(case.case.name, rung, pressure, level, finer.summary.level, *band))
     return found
 
 

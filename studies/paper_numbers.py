@@ -8,10 +8,9 @@ from collections.abc import Sequence
 from typing import Final
 
 from analytical.paper import FAMILIES, PRINTED_PRESSURE_KPA, InferredFamily, PaperActuator, actuators
-from studies.paper_cases import REFERENCE_SCENES
 from studies.paper_results import CaseResult, PaperResults, find
 from studies.results import PathRow
-from studies.rows import Row
+from studies.rows import FOLDED_BACK, REACHED, Row
 from studies.run_log import Run
 from studies.tables import MISSING, TIP, difference_percent, rounded_up, signed
 
@@ -78,6 +77,11 @@ def is_known(row: Row | None) -> bool:
     return row is not None and math.isfinite(row.value)
 
 
+def means_something(row: Row | None) -> bool:
+    """True for a row with a number, except that of a closed form past its model."""
+    return row is not None and is_known(row) and row.status != FOLDED_BACK
+
+
 def finest(runs: Sequence[Run]) -> Run | None:
     """The last of runs that are in order, coarsest first."""
     return runs[-1] if runs else None
@@ -108,7 +112,7 @@ def number(row: Row | None) -> str:
     if row is None:
         return MISSING
     if not math.isfinite(row.value):
-        return row.status.split(":")[0] if row.status != "reached" else MISSING
+        return row.status.split(":")[0] if row.status != REACHED else MISSING
     text = f"{row.value:.4g}"
     return f"{text} ± {rounded_up(row.uncertainty, 2):.2g}" if math.isfinite(row.uncertainty) else text
 

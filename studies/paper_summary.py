@@ -9,12 +9,12 @@ from studies import paper_audit, paper_bond_tables
 from studies.compare import validity_notes
 from studies.paper_cases import REFERENCE_SCENES, RING_VARIANTS, THICK
 from studies.paper_claims import HOLDS, UNDECIDED, Claim
-from studies.paper_numbers import HIGHEST_KPA, PRESSURES_KPA, best, is_known, last_kpa, named, sets, tip
+from studies.paper_numbers import HIGHEST_KPA, PRESSURES_KPA, best, is_known, last_kpa, means_something, named, sets, tip
 from studies.paper_results import CaseResult, PaperResults
 from studies.paper_tables import CHAINS
 from studies.paper_variant_tables import REFERENCE_RING, nearer
-from studies.rows import Row
-from studies.tables import MISSING, REACHED, difference_percent, model_label, rounded_up, rung_label, signed
+from studies.rows import FOLDED_BACK, REACHED, Row
+from studies.tables import MISSING, difference_percent, model_label, rounded_up, rung_label, signed
 
 _NAMES_SHOWN = 4
 
@@ -49,6 +49,8 @@ def _chain(results: PaperResults, rung: str) -> str:
         for pressure in PRESSURES_KPA
     ]
     label = rung_label(rung).capitalize()
+    if any(row and row.status == FOLDED_BACK for row, _ in pairs):
+        label += " (where it has not folded back)"
     return f"{label} against finite elements: {_spread(pairs)} over the actuators and pressures."
 
 
@@ -63,7 +65,7 @@ def _spread(pairs: Iterable[tuple[Row | None, Row | None]]) -> str:
     found = [
         difference_percent(one.value, other.value)
         for one, other in pairs
-        if one and other and is_known(one) and is_known(other)
+        if one and other and means_something(one) and is_known(other)
     ]
     return f"{signed(min(found))} to {signed(max(found))} %" if found else "not run"
 

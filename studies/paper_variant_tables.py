@@ -17,6 +17,7 @@ from studies.paper_numbers import (
     is_known,
     last_kpa,
     measured,
+    modes,
     named,
     number,
     sets,
@@ -187,10 +188,11 @@ def blocked(results: PaperResults) -> Table:
                     difference(held, found, 3),
                     difference(thrust, found, 3),
                     _where(found, thrust, held),
+                    modes(finest(case.result.axisymmetric) if case else None, pressure),
                 )
             )
     header = ("actuator", "pressure, kPa", "closed form, wall pushes", "closed form, thrust alone", "axisymmetric")
-    header += ("wall pushes less axisymmetric, N (%)", "thrust less axisymmetric, N (%)", "axisymmetric is")
+    header += ("wall pushes less axisymmetric, N (%)", "thrust less axisymmetric, N (%)", "axisymmetric is", "unstable modes")
     return Table(header, tuple(lines), left=(0, 7))
 
 
