@@ -25,7 +25,14 @@ def bonds(results: PaperResults) -> Table:
             case = results.variant(base, "bond", suffix)
             for run in case.result.axisymmetric if case else ():
                 lines.append((base, label, *_mesh_line(case, results.variant(base, "bond", RIGID), run)))
-    header = ("actuator", "bond", "mesh", "reached, kPa", f"tip at {HIGHEST_KPA:g} kPa, mm", "from the rigid bond, %")
+    header: tuple[str, ...] = (
+        "actuator",
+        "bond",
+        "mesh",
+        "reached, kPa",
+        f"tip at {HIGHEST_KPA:g} kPa, mm",
+        "from the rigid bond, %",
+    )
     header += ("largest slip, mm", "largest stretch", "largest stretch away from the edge", "end")
     return Table(header, tuple(lines), left=(0, 1, 2, 9))
 

@@ -7,7 +7,7 @@ claim about them is judged in every set: where the sets contradict each other, n
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -21,7 +21,6 @@ from studies.paper_numbers import (
     is_known,
     last_kpa,
     limit_kpa,
-    measured,
     named,
     number,
     sets,
@@ -29,14 +28,10 @@ from studies.paper_numbers import (
     unfolding,
 )
 from studies.paper_results import CaseResult, PaperResults
+from studies.paper_verdicts import FAILS, HOLDS, UNDECIDED, Verdict, above, all_of, below, over_sets, smaller
 from studies.rows import Row
 from studies.run_log import Run
 from studies.tables import TIP
-
-Verdict = Literal["holds", "does not hold", "cannot tell"]
-HOLDS: Final = "holds"
-FAILS: Final = "does not hold"
-UNDECIDED: Final = "cannot tell"
 
 # Ours: two secants of a curve that differ by less than this still look like one straight line.
 STRAIGHT_PERCENT: Final = 10.0
@@ -61,7 +56,8 @@ def claims(results: PaperResults) -> tuple[Claim, ...]:
         thicker_wall_shortens(results),
         thicker_wall_shortens_alike(results),
         rises_with_pressure(results),
-        straightens(results),
+        bends_first(results),
+        straight_last(results),
         *(unfolded_at_highest(results, name) for name in REFERENCE_SCENES),
         cost_rises(results, "axisymmetric"),
         cost_rises(results, "full3d"),
@@ -69,32 +65,6 @@ def claims(results: PaperResults) -> tuple[Claim, ...]:
         simulation_gap(results),
         model_gap(results),
     )
-
-
-# --- verdicts -------------------------------------------------------------------------------
-
-
-def smaller(one: Row | None, other: Row | None) -> Verdict:
-    """Whether a row's value is smaller than another's by more than the sum of their uncertainties."""
-    if one is None or other is None:
-        return UNDECIDED
-    gap, doubt = other.value - one.value, one.uncertainty + other.uncertainty
-    if not abs(gap) > doubt:  # NaN decides nothing
-        return UNDECIDED
-    return HOLDS if gap > 0.0 else FAILS
-
-
-def all_of(verdicts: Iterable[Verdict]) -> Verdict:
-    """Verdict on a claim made of several: one that fails settles it."""
-    found = list(verdicts)
-    if FAILS in found:
-        return FAILS
-    return HOLDS if found and UNDECIDED not in found else UNDECIDED
-
-
-def over_sets(verdicts: Sequence[Verdict]) -> Verdict:
-    """Verdict of the first set, the reference, unless another one says the contrary."""
-    return UNDECIDED if HOLDS in verdicts and FAILS in verdicts else verdicts[0]
 
 
 # --- dimensions -----------------------------------------------------------------------------
@@ -114,7 +84,7 @@ def larger_root_bulges(results: PaperResults) -> Claim:
 
 def thicker_wall_shortens(results: PaperResults) -> Claim:
     """Elongation of the two actuators of each root radius."""
-    text = "The thicker wall elongates less, at either root radius and at every pressure (as built: the silicone may differ too)."
+    text = "The thicker wall elongates less, at either root radius and every pressure (as built: silicones may differ)."
     return _by_sets(results, text, TIP, "mm", ((2, 0), (3, 1)), PRESSURES_KPA)
 
 
@@ -184,52 +154,64 @@ def rises_with_pressure(results: PaperResults) -> Claim:
     return Claim("The elongation rises with the pressure.", f"At {asked} kPa: {'; '.join(parts)}.", all_of(verdicts))
 
 
-def straightens(results: PaperResults) -> Claim:
-    """That the curve bends at first and is nearly straight at the end."""
+def bends_first(results: PaperResults) -> Claim:
+    """That the curve bends at first, and less at the end."""
     verdicts: list[Verdict] = []
-    parts = []
+    for bends in _bends(results).values():
+        less = (bends[-1][0] - bends[0][0], bends[-1][1] + bends[0][1]) if bends else (math.nan, math.nan)
+        verdicts += [above(bends[0], 0.0) if bends else UNDECIDED, below(less, 0.0)]
+    text = "Elongation over pressure is nonlinear at first and more nearly linear later."
+    return Claim(text, _bends_text(results), all_of(verdicts))
+
+
+def straight_last(results: PaperResults) -> Claim:
+    """That the curve is nearly straight at the end."""
+    found = _bends(results).values()
+    verdict = all_of(below(bends[-1], STRAIGHT_PERCENT) if bends else UNDECIDED for bends in found)
+    limit = f"the slopes of its last two 5 kPa differ by less than {STRAIGHT_PERCENT:g} %, a limit of ours"
+    text = f"Near {HIGHEST_KPA:g} kPa the curve is nearly a straight line: {limit}."
+    return Claim(text, _bends_text(results), verdict)
+
+
+def _slopes(results: PaperResults) -> dict[str, list[tuple[float, float]]]:
+    """By reference actuator: slope of every 5 kPa, mm per kPa, and its uncertainty; empty unless all were reached."""
+    found = {}
     for name in REFERENCE_SCENES:
         rows = [tip(named(results, name), pressure_kpa=p) for p in PRESSURES_KPA]
         known = [row for row in rows if row is not None and is_known(row)]
-        if len(known) < len(rows):
-            verdicts.append(UNDECIDED)
-            parts.append(f"{name} not reached throughout")
-            continue
-        slopes = _secants(known)
-        first, last = _bend(slopes[0], slopes[1]), _bend(slopes[-2], slopes[-1])
-        verdicts += [_beyond(first, STRAIGHT_PERCENT), _within(last, STRAIGHT_PERCENT)]
+        found[name] = _secants(known) if len(known) == len(rows) else []
+    return found
+
+
+def _bends(results: PaperResults) -> dict[str, list[tuple[float, float]]]:
+    """By reference actuator: by how much each slope differs from the one before it, percent, and its uncertainty."""
+    return {
+        name: [_bend(one, other) for one, other in zip(slopes, slopes[1:], strict=False)]
+        for name, slopes in _slopes(results).items()
+    }
+
+
+def _bends_text(results: PaperResults) -> str:
+    parts = []
+    for name, slopes in _slopes(results).items():
+        bends = _bends(results)[name]
         per_kpa = ", ".join(f"{slope:.2f} ± {doubt:.2g}" for slope, doubt in slopes)
-        parts.append(f"{name} {per_kpa} mm per kPa, so {first[0]:.0f} % at first and {last[0]:.1f} % at the end")
-    text = (
-        "Elongation over pressure is nonlinear at first and nearly linear later (ours: the slopes of neighbouring 5 kPa "
-        f"differ by more than {STRAIGHT_PERCENT:g} % at first and by less at the end)."
-    )
-    return Claim(text, f"Slopes: {'; '.join(parts)}.", all_of(verdicts))
+        changes = ", ".join(f"{bend:.1f} ± {doubt:.1g}" for bend, doubt in bends)
+        parts.append(f"{name} {per_kpa} mm per kPa, apart by {changes} %" if slopes else f"{name} not all reached")
+    return f"Slopes of every 5 kPa: {'; '.join(parts)}."
 
 
 def _secants(rows: Sequence[Row]) -> list[tuple[float, float]]:
     """Slope of each interval from rest on, mm per kPa, and its uncertainty."""
     points = [(0.0, 0.0, 0.0), *((row.pressure_kpa, row.value, row.uncertainty) for row in rows)]
-    return [((v2 - v1) / (p2 - p1), (u1 + u2) / (p2 - p1)) for (p1, v1, u1), (p2, v2, u2) in zip(points, points[1:])]
+    pairs = zip(points, points[1:], strict=False)
+    return [((v2 - v1) / (p2 - p1), (u1 + u2) / (p2 - p1)) for (p1, v1, u1), (p2, v2, u2) in pairs]
 
 
 def _bend(one: tuple[float, float], other: tuple[float, float]) -> tuple[float, float]:
     """By how much a slope differs from the one before it, percent, and the uncertainty of that."""
     (before, doubt_before), (after, doubt_after) = one, other
     return 100.0 * abs(after - before) / abs(before), 100.0 * (doubt_before + doubt_after) / abs(before)
-
-
-def _beyond(value: tuple[float, float], limit: float) -> Verdict:
-    """Whether a value with its uncertainty is above a limit."""
-    if not abs(value[0] - limit) > value[1]:
-        return UNDECIDED
-    return HOLDS if value[0] > limit else FAILS
-
-
-def _within(value: tuple[float, float], limit: float) -> Verdict:
-    """Whether a value with its uncertainty is below a limit."""
-    opposite: dict[Verdict, Verdict] = {HOLDS: FAILS, FAILS: HOLDS, UNDECIDED: UNDECIDED}
-    return opposite[_beyond(value, limit)]
 
 
 def unfolded_at_highest(results: PaperResults, name: str) -> Claim:
@@ -249,7 +231,7 @@ def _unfolded(row: Row | None) -> Verdict:
     if not math.isfinite(row.value):
         return FAILS if limit_kpa(row) >= HIGHEST_KPA else UNDECIDED
     doubt = row.uncertainty if math.isfinite(row.uncertainty) else 0.0
-    return _within((row.value, doubt), HIGHEST_KPA)
+    return below((row.value, doubt), HIGHEST_KPA)
 
 
 # --- the simulation -------------------------------------------------------------------------
@@ -268,7 +250,7 @@ def cost_rises(results: PaperResults, rung: Literal["axisymmetric", "full3d"]) -
     seconds = [sum(part[k][1] for part in parts) for k in range(len(PRESSURES_KPA))]
     finding = (
         f"{len(done)} runs together, per 5 kPa: {', '.join(map(str, iterations))} Newton iterations, "
-        f"{', '.join(f'{s:.1f}' for s in seconds)} s. Judged by the iterations; the seconds are those of a shared machine."
+        f"{', '.join(f'{s:.1f}' for s in seconds)} s. Judged by the iterations: the machine is shared."
     )
     rising = all(one <= other for one, other in zip(iterations, iterations[1:], strict=False))
     if iterations[-1] <= iterations[0]:

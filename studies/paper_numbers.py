@@ -61,7 +61,7 @@ def best(case: CaseResult | None, pressure_kpa: float = HIGHEST_KPA) -> Row | No
 
 
 def unfolding(results: PaperResults, base: str, rung: str) -> Row | None:
-    """Pressure (kPa) at which a scene's roots are unfolded; where the run to 20 kPa does not meet it, that to 30 kPa's."""
+    """Pressure (kPa) at which a scene's roots are unfolded; from the run to 30 kPa if that to 20 kPa ends before."""
     rows = [measured(results.variant(base, group), "unfolding_kpa", rung) for group in ("core", "beyond")]
     return next((row for row in rows if is_known(row)), rows[1] or rows[0])
 

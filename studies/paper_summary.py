@@ -8,11 +8,22 @@ from collections.abc import Iterable, Sequence
 from studies import paper_audit, paper_bond_tables
 from studies.compare import validity_notes
 from studies.paper_cases import REFERENCE_SCENES, RING_VARIANTS, THICK
-from studies.paper_claims import HOLDS, UNDECIDED, Claim
-from studies.paper_numbers import HIGHEST_KPA, PRESSURES_KPA, best, is_known, last_kpa, means_something, named, sets, tip
+from studies.paper_claims import Claim
+from studies.paper_numbers import (
+    HIGHEST_KPA,
+    PRESSURES_KPA,
+    best,
+    is_known,
+    last_kpa,
+    means_something,
+    named,
+    sets,
+    tip,
+)
 from studies.paper_results import CaseResult, PaperResults
 from studies.paper_tables import CHAINS
 from studies.paper_variant_tables import REFERENCE_RING, nearer
+from studies.paper_verdicts import HOLDS, UNDECIDED
 from studies.rows import FOLDED_BACK, REACHED, Row
 from studies.tables import MISSING, difference_percent, model_label, rounded_up, rung_label, signed
 
@@ -38,7 +49,8 @@ def in_short(results: PaperResults, found: Sequence[Claim]) -> tuple[str, ...]:
 def _must_show(results: PaperResults) -> str:
     lines = [line for line in paper_audit.acceptance(results).rows if not line[0].endswith("worst pressure")]
     met, missing = (sum(line[-1] == word for line in lines) for word in ("met", "not run"))
-    return f"Of {len(lines)} numbers the study must show, {met} are met, {len(lines) - met - missing} are not, {missing} have not been run."
+    others = f"{len(lines) - met - missing} are not, {missing} have not been run"
+    return f"Of {len(lines)} numbers that the study must show {met} are met, {others}."
 
 
 def _chain(results: PaperResults, rung: str) -> str:

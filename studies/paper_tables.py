@@ -63,7 +63,14 @@ def answers(results: PaperResults) -> Table:
                 " / ".join(counts),
             )
         )
-    header = ("actuator", "silicone, inferred", *map(rung_label, CHAINS[:3]), "axisymmetric", "full 3D", TETS)
+    header: tuple[str, ...] = (
+        "actuator",
+        "silicone, inferred",
+        *map(rung_label, CHAINS[:3]),
+        "axisymmetric",
+        "full 3D",
+        TETS,
+    )
     header += (*map(rung_label, PRINTED), "unstable modes: axisymmetric / full 3D / tetrahedra")
     return Table(header, tuple(lines), left=(0, 1))
 
@@ -83,7 +90,7 @@ def closed_form_errors(results: PaperResults) -> Table:
             model = rung_label(reference.rung) if reference else MISSING
             chains = (_error(tip(case, rung, pressure), reference) for rung in CHAINS)
             lines.append((actuator.name, f"{pressure:g}", model, value_text(reference), *chains))
-    header = ("actuator", "pressure, kPa", "finite elements", "elongation, mm")
+    header: tuple[str, ...] = ("actuator", "pressure, kPa", "finite elements", "elongation, mm")
     header += tuple(f"{rung_label(rung)}, mm (%)" for rung in CHAINS)
     return Table(header, tuple(lines), left=(0, 2))
 
@@ -112,7 +119,7 @@ def model_errors(results: PaperResults) -> Table:
                     *(difference(row, solid) for row in (found[0], found[2], sector)),
                 )
             )
-    header = ("actuator", "pressure, kPa", "axisymmetric, mm", "full 3D, mm", f"{TETS}, mm")
+    header: tuple[str, ...] = ("actuator", "pressure, kPa", "axisymmetric, mm", "full 3D, mm", f"{TETS}, mm")
     header += tuple(f"{model} less full 3D, mm (%)" for model in ("axisymmetric", "tetrahedra", "sector"))
     return Table(header, tuple(lines))
 
@@ -131,7 +138,7 @@ def printed_errors(results: PaperResults) -> Table:
                     *_apart(row, tip(case, "paper_experiment")),
                 )
             )
-    header = ("actuator", "model", "elongation, mm")
+    header: tuple[str, ...] = ("actuator", "model", "elongation, mm")
     header += tuple(f"{what} {other}" for other in ("ANSYS", "test") for what in ("less", "absolute, mm,", "%, of"))
     return Table(header, tuple(lines), left=(0, 1))
 

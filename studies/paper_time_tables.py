@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Final
 
-from studies.paper_numbers import finest, named
 from studies.paper_cases import REFERENCE_SCENES
+from studies.paper_numbers import finest, named
 from studies.paper_results import CaseResult, PaperResults
 from studies.results import RunSummary
 from studies.run_log import Run

@@ -77,7 +77,7 @@ def conventions(results: PaperResults) -> Table:
             )
         )
     readings = ("2μ/α² (eq. 3)", "μ/α (eq. 20, ANSYS's own)")
-    header = ("actuator", *(f"{reading}, mm" for reading in readings), "paper: ANSYS, mm")
+    header: tuple[str, ...] = ("actuator", *(f"{reading}, mm" for reading in readings), "paper: ANSYS, mm")
     header += (*(f"{reading} less ANSYS, mm (%)" for reading in readings), "nearer to ANSYS")
     return Table(header, tuple(lines), left=(0, len(header) - 1))
 
@@ -122,7 +122,7 @@ def silicone_effects(results: PaperResults) -> Table:
                 difference(stiff_thick, soft_thick, 1),
             )
         )
-    header = ("actuators", "wall 1 to 2 mm with its silicone", "wall 1 to 2 mm in Dragon Skin 10")
+    header: tuple[str, ...] = ("actuators", "wall 1 to 2 mm with its silicone", "wall 1 to 2 mm in Dragon Skin 10")
     header += ("wall 1 to 2 mm in Dragon Skin 30", "silicone 10 to 30 at 1 mm", "silicone 10 to 30 at 2 mm")
     return Table(header, tuple(lines))
 
@@ -152,7 +152,13 @@ def rings(results: PaperResults) -> Table:
                     _seconds(case),
                 )
             )
-    header = ("actuator", "rings", "elongation, mm", "less meshed PLA, mm (%)", "is that more than the uncertainties?")
+    header: tuple[str, ...] = (
+        "actuator",
+        "rings",
+        "elongation, mm",
+        "less meshed PLA, mm (%)",
+        "is that more than the uncertainties?",
+    )
     header += ("hoop stretch under the ring", "unknowns, finest mesh", "time, finest mesh, s", "time, all meshes, s")
     return Table(header, tuple(lines), left=(0, 1, 4))
 
@@ -191,8 +197,15 @@ def blocked(results: PaperResults) -> Table:
                     modes(finest(case.result.axisymmetric) if case else None, pressure),
                 )
             )
-    header = ("actuator", "pressure, kPa", "closed form, wall pushes", "closed form, thrust alone", "axisymmetric")
-    header += ("wall pushes less axisymmetric, N (%)", "thrust less axisymmetric, N (%)", "axisymmetric is", "unstable modes")
+    header: tuple[str, ...] = (
+        "actuator",
+        "pressure, kPa",
+        "closed form, wall pushes",
+        "closed form, thrust alone",
+        "axisymmetric",
+    )
+    header += ("wall pushes less axisymmetric, N (%)", "thrust less axisymmetric, N (%)", "axisymmetric is")
+    header += ("unstable modes",)
     return Table(header, tuple(lines), left=(0, 7))
 
 
