@@ -22,7 +22,6 @@ from studies.paper_numbers import (
     last_kpa,
     limit_kpa,
     named,
-    number,
     sets,
     tip,
     unfolding,
@@ -31,7 +30,7 @@ from studies.paper_results import CaseResult, PaperResults
 from studies.paper_verdicts import FAILS, HOLDS, UNDECIDED, Verdict, above, all_of, below, over_sets, smaller
 from studies.rows import Row
 from studies.run_log import Run
-from studies.tables import TIP
+from studies.tables import TIP, value_text
 
 # Ours: two secants of a curve that differ by less than this still look like one straight line.
 STRAIGHT_PERCENT: Final = 10.0
@@ -98,7 +97,7 @@ def thicker_wall_shortens_alike(results: PaperResults) -> Claim:
         }
         for silicone, (soft, stiff) in pairs.items():
             verdicts += [smaller(tip(stiff, pressure_kpa=p), tip(soft, pressure_kpa=p)) for p in PRESSURES_KPA]
-            parts.append(f"{thin} {number(tip(soft))} mm, {thick} {number(tip(stiff))} mm, both in {silicone}")
+            parts.append(f"{thin} {value_text(tip(soft))} mm, {thick} {value_text(tip(stiff))} mm, both in {silicone}")
     text = "The thicker wall elongates less when both are of one silicone."
     return Claim(text, f"At {HIGHEST_KPA:g} kPa: {'; '.join(parts)}.", all_of(verdicts))
 
@@ -137,7 +136,7 @@ def _row(case: CaseResult | None, quantity: str, pressure_kpa: float) -> Row | N
 
 
 def _pair(actuator: PaperActuator, case: CaseResult | None, quantity: str, unit: str) -> str:
-    return f"{actuator.name} {number(_row(case, quantity, HIGHEST_KPA))} {unit}"
+    return f"{actuator.name} {value_text(_row(case, quantity, HIGHEST_KPA))} {unit}"
 
 
 # --- the curve ------------------------------------------------------------------------------
@@ -149,7 +148,7 @@ def rises_with_pressure(results: PaperResults) -> Claim:
     for name in REFERENCE_SCENES:
         rows = [tip(named(results, name), pressure_kpa=p) for p in PRESSURES_KPA]
         verdicts += [smaller(one, other) for one, other in zip(rows, rows[1:], strict=False)]
-        parts.append(f"{name} {', '.join(number(row) for row in rows)} mm")
+        parts.append(f"{name} {', '.join(value_text(row) for row in rows)} mm")
     asked = ", ".join(f"{p:g}" for p in PRESSURES_KPA)
     return Claim("The elongation rises with the pressure.", f"At {asked} kPa: {'; '.join(parts)}.", all_of(verdicts))
 
@@ -166,11 +165,12 @@ def bends_first(results: PaperResults) -> Claim:
 
 def straight_last(results: PaperResults) -> Claim:
     """That the curve is nearly straight at the end."""
-    found = _bends(results).values()
-    verdict = all_of(below(bends[-1], STRAIGHT_PERCENT) if bends else UNDECIDED for bends in found)
+    ends = {name: bends[-1] if bends else (math.nan, math.nan) for name, bends in _bends(results).items()}
+    verdict = all_of(below(end, STRAIGHT_PERCENT) for end in ends.values())
     limit = f"the slopes of its last two 5 kPa differ by less than {STRAIGHT_PERCENT:g} %, a limit of ours"
     text = f"Near {HIGHEST_KPA:g} kPa the curve is nearly a straight line: {limit}."
-    return Claim(text, _bends_text(results), verdict)
+    parts = (f"{name} {bend:.1f} ± {doubt:.1g} %" for name, (bend, doubt) in ends.items() if math.isfinite(bend))
+    return Claim(text, f"They differ by: {'; '.join(parts) or 'not all reached'}.", verdict)
 
 
 def _slopes(results: PaperResults) -> dict[str, list[tuple[float, float]]]:
@@ -220,8 +220,8 @@ def unfolded_at_highest(results: PaperResults, name: str) -> Claim:
     model = unfolding(results, name, "closed_form")
     text = f"At {HIGHEST_KPA:g} kPa the roots are fully unfolded and the actuator is at its longest: {name}."
     unit = " kPa" if is_known(row) else ""
-    model_text = f"{number(model)}{' kPa' if is_known(model) else ''}"
-    finding = f"Unfolding in the axisymmetric model: {number(row)}{unit}; in the closed form: {model_text}."
+    model_text = f"{value_text(model)}{' kPa' if is_known(model) else ''}"
+    finding = f"Unfolding in the axisymmetric model: {value_text(row)}{unit}; in the closed form: {model_text}."
     return Claim(text, finding, _unfolded(row))
 
 
@@ -281,7 +281,7 @@ def none_beyond(results: PaperResults) -> Claim:
         reached = min(last_kpa(run) for run in runs)
         passed.append(reached > HIGHEST_KPA * (1.0 + 1e-9))
         why = "" if runs[-1].summary.status == "reached" else f" ({runs[-1].summary.reason})"
-        parts.append(f"{name} to {reached:.4g} kPa on all of {len(runs)} meshes{why}")
+        parts.append(f"{name} to {reached:.4g} kPa on {', '.join(run.summary.level for run in runs)}{why}")
     if any(passed):
         verdict: Verdict = FAILS
     else:

@@ -12,7 +12,7 @@ from studies.paper_results import CaseResult, PaperResults, find
 from studies.results import PathRow
 from studies.rows import FOLDED_BACK, REACHED, Row
 from studies.run_log import Run
-from studies.tables import MISSING, TIP, difference_percent, rounded_up, signed
+from studies.tables import MISSING, TIP, difference_percent, signed, up
 
 PRESSURES_KPA: Final = (5.0, 10.0, 15.0, 20.0)
 HIGHEST_KPA: Final = PRINTED_PRESSURE_KPA
@@ -113,8 +113,10 @@ def number(row: Row | None) -> str:
         return MISSING
     if not math.isfinite(row.value):
         return row.status.split(":")[0] if row.status != REACHED else MISSING
-    text = f"{row.value:.4g}"
-    return f"{text} ± {rounded_up(row.uncertainty, 2):.2g}" if math.isfinite(row.uncertainty) else text
+    if not row.uncertainty > 0.0:
+        return f"{row.value:.4g}"
+    decimals = min(max(1 - math.floor(math.log10(row.uncertainty)), 0), 4)
+    return f"{row.value:.{decimals}f} ± {up(row.uncertainty, decimals)}"
 
 
 def signed_number(value: float, decimals: int = 2) -> str:

@@ -166,7 +166,8 @@ def rings(results: PaperResults) -> Table:
 def _told(one: Row | None, other: Row | None) -> str:
     if one is None or other is None or not (is_known(one) and is_known(other)):
         return MISSING
-    return "yes" if abs(one.value - other.value) > one.uncertainty + other.uncertainty else "no"
+    doubt = one.uncertainty + other.uncertainty
+    return MISSING if math.isnan(doubt) else "yes" if abs(one.value - other.value) > doubt else "no"
 
 
 def _seconds(case: CaseResult | None) -> str:
