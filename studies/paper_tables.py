@@ -38,7 +38,7 @@ ASSUMPTIONS: Final = {
     "wall_stretch": "λ_a, stretch of the side wall along its length",
     "wall_hoop_stretch_middle": "hoop stretch half-way up the side wall (model: pure shear)",
     "ring_hoop_stretch": "hoop stretch under the ring (model: rigid)",
-    "root_bulge_mm": "bulge of the root, mm (model: none)",
+    "root_bulge_mm": "outward displacement of the root, mm",
 }
 
 
