@@ -26,7 +26,7 @@ from studies.paper_claims import (
 from studies.paper_results import CaseResult, PaperResults
 from studies.paper_verdicts import above, all_of, below, over_sets, smaller
 from studies.rows import Row, row
-from tests.studies.paper_demo import ALL, make_case, make_results, scene_of, usual_tip
+from tests.studies.paper_demo import ALL, case_of, make_case, make_results, scene_of, usual_tip
 
 HOLDS, FAILS, OPEN = "holds", "does not hold", "cannot tell"
 
@@ -36,16 +36,16 @@ def number(value: float, uncertainty: float = 0.1) -> Row:
 
 
 def core(**more) -> list[CaseResult]:
-    return [make_case(ALL["core", name], **more) for name in REFERENCE_SCENES]
+    return [make_case(case_of("core", name), **more) for name in REFERENCE_SCENES]
 
 
 def beyond(**more) -> list[CaseResult]:
-    return [make_case(ALL["beyond", f"{name}-to-30"], **more) for name in REFERENCE_SCENES]
+    return [make_case(case_of("beyond", f"{name}-to-30"), **more) for name in REFERENCE_SCENES]
 
 
 def scaled(name: str, factor: float, group: str = "core") -> CaseResult:
     tip = usual_tip(scene_of(group, name))
-    return make_case(ALL[group, name], tip=lambda level, p: factor * tip(level, p))
+    return make_case(case_of(group, name), tip=lambda level, p: factor * tip(level, p))
 
 
 @pytest.mark.parametrize(
@@ -94,7 +94,7 @@ def test_larger_root_shortens() -> None:
 
 
 def test_sets_that_contradict_each_other_leave_a_claim_open() -> None:
-    alternates = [make_case(ALL["alternates", name]) for name in ALTERNATE_SCENES]
+    alternates = [make_case(case_of("alternates", name)) for name in ALTERNATE_SCENES]
     assert larger_root_shortens(make_results(*core(), *alternates)).verdict == HOLDS
     contrary = [scaled(name, 3.0 if "ri8" in name else 1.0, "alternates") for name in ALTERNATE_SCENES]
     claim = larger_root_shortens(make_results(*core(), *contrary))
@@ -109,7 +109,7 @@ def test_larger_root_bulges() -> None:
 
         return make_results(
             *(
-                make_case(ALL["core", name], measured={"root_bulge_mm": lambda p, name=name: bulge(name)})  # type: ignore[misc]
+                make_case(case_of("core", name), measured={"root_bulge_mm": lambda p, name=name: bulge(name)})  # type: ignore[misc]
                 for name in REFERENCE_SCENES
             )
         )
@@ -173,15 +173,15 @@ def unfolding(value: float, status: str = "reached", uncertainty: float = 0.1) -
 )
 def test_unfolding_by_20_kpa(rows: tuple[Row, ...], verdict: str) -> None:
     name = REFERENCE_SCENES[0]
-    claim = unfolded_at_highest(make_results(make_case(ALL["core", name], extra=rows)), name)
+    claim = unfolded_at_highest(make_results(make_case(case_of("core", name), extra=rows)), name)
     assert claim.verdict == verdict
     assert ("18.10 kPa" in claim.finding) == bool(rows)
 
 
 def test_unfolding_is_looked_for_beyond_20_kpa() -> None:
     name = REFERENCE_SCENES[0]
-    short = make_case(ALL["core", name], extra=unfolding(math.nan, "not reached up to 20 kPa"))
-    further = make_case(ALL["beyond", f"{name}-to-30"], extra=unfolding(24.4))
+    short = make_case(case_of("core", name), extra=unfolding(math.nan, "not reached up to 20 kPa"))
+    further = make_case(case_of("beyond", f"{name}-to-30"), extra=unfolding(24.4))
     claim = unfolded_at_highest(make_results(short, further), name)
     assert claim.verdict == FAILS
     assert "24.40 ± 0.10 kPa" in claim.finding

@@ -23,7 +23,7 @@ from studies.paper_report import write_paper_report
 from studies.paper_results import CaseResult, PaperResults
 from studies.rows import read_rows, row
 from studies.tables import MISSING, Table
-from tests.studies.paper_demo import ALL, make_case, make_results, scene_of, usual_tip, whole
+from tests.studies.paper_demo import ALL, case_of, make_case, make_results, scene_of, usual_tip, whole
 
 FIRST = REFERENCE_SCENES[0]
 TABLES: tuple[Callable[[PaperResults], Table], ...] = (
@@ -97,7 +97,7 @@ def test_errors_have_sign_size_and_percent(results: PaperResults) -> None:
 
 def test_assumptions_stand_beside_the_models() -> None:
     extra = (row(FIRST, "root_stretch_outer", "1", 20.0, "closed_form", 1.5),)
-    case = make_case(ALL["core", FIRST], measured={"root_stretch_outer": lambda p: 2.0}, extra=extra)
+    case = make_case(case_of("core", FIRST), measured={"root_stretch_outer": lambda p: 2.0}, extra=extra)
     (line,) = lines(paper_tables.assumptions(make_results(case)))
     assert line["5 kPa"] == "2.0000 ± 0.0010"
     assert line["20 kPa"] == "2.0000 ± 0.0010; model 1.5 (−25.0 %)"
@@ -128,7 +128,7 @@ def test_acceptance_counts_bands(results: PaperResults) -> None:
 
 def test_a_band_that_does_not_hold_is_told() -> None:
     tip = usual_tip(scene_of("core", FIRST))
-    case = make_case(ALL["core", FIRST], tip=lambda level, p: tip(level, p) + (1.0 if level == "r4" else 0.0))
+    case = make_case(case_of("core", FIRST), tip=lambda level, p: tip(level, p) + (1.0 if level == "r4" else 0.0))
     results = make_results(case)
     missed = lines(paper_audit.misses(results))
     assert [line["pressure, kPa"] for line in missed] == ["5", "10", "15", "20"]
@@ -144,7 +144,7 @@ def test_range_over_the_sets_needs_all_of_them(results: PaperResults) -> None:
 
 
 def bond(suffix: str, change: float, levels: tuple[str, ...] = ("r1", "r2", "r4")) -> CaseResult:
-    case = ALL["bond", f"{FIRST}-{suffix}"]
+    case = case_of("bond", f"{FIRST}-{suffix}")
     tip = usual_tip(scene_of("bond", case.name))
     slip = {"peak_slip_mm": lambda p: 0.5}
     return make_case(case, tip=lambda level, p: (1.0 + change) * tip(level, p), measured=slip, levels=levels)
@@ -174,7 +174,7 @@ def test_convention_is_told_only_beyond_uncertainty_and_print() -> None:
 
 
 def test_what_stopped_is_shown_with_its_reason() -> None:
-    case = make_case(ALL["beyond", f"{FIRST}-to-30"], stop_kpa=22.5)
+    case = make_case(case_of("beyond", f"{FIRST}-to-30"), stop_kpa=22.5)
     results = make_results(case)
     line = lines(paper_variant_tables.beyond(results))[0]
     assert (line["reached, kPa"], line["end"]) == ("22.5", "no convergence | <at all>")
