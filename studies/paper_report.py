@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
 from studies import (
     paper_audit,
     paper_bond_tables,
-    paper_plots,
     paper_summary,
     paper_tables,
     paper_time_tables,
     paper_variant_tables,
     tables,
 )
-from studies.meridian_pictures import RootPanel, draw_root_fields, root_panel
 from studies.pages import duration, write_page
-from studies.paper_cases import REFERENCE_SCENES
 from studies.paper_claims import claims
-from studies.paper_numbers import HIGHEST_KPA, finest, named
+from studies.paper_pictures import STATES, draw_all
 from studies.paper_results import CaseResult, PaperResults
 from studies.report import SceneReport
 from studies.rows import write_rows
@@ -28,17 +25,6 @@ from studies.session import SCENE_FILE
 from studies.tables import Table
 
 TITLE: Final = "The paper's four actuators: closed form beside finite elements, ANSYS and test"
-
-# Plots of all results by the name they have in the page and in the folder.
-_PLOTS: Final[Mapping[str, Callable[[Path, PaperResults], str]]] = {
-    "elongations": paper_plots.draw_elongations,
-    "dimensions": paper_plots.draw_dimensions_matter,
-    "beyond": paper_plots.draw_beyond,
-    "assumptions": paper_plots.draw_assumptions,
-    "blocked": paper_plots.draw_blocked,
-    "conventions": paper_plots.draw_conventions,
-    "rings": paper_plots.draw_rings,
-}
 
 
 def write_paper_report(
@@ -72,29 +58,6 @@ def write_paper_report(
     write_rows(folder / "rows.csv", results.rows)
     drawn = draw_all(folder, results) if pictures is None else pictures
     return write_page(folder, "paper.md.j2", _content(results, provenance, wall_s, drawn))
-
-
-def draw_all(folder: Path, results: PaperResults) -> dict[str, str]:
-    """Draw all pictures; by name the address relative to the folder, or a sentence why there is none."""
-    (folder / "pictures").mkdir(parents=True, exist_ok=True)
-    drawn = {}
-    for name, draw in _PLOTS.items():
-        address = f"pictures/{name}.png"
-        drawn[name] = draw(folder / address, results) or address
-    drawn["roots"] = draw_root_fields(folder / "pictures/roots.png", _root_panels(results)) or "pictures/roots.png"
-    return drawn
-
-
-def _root_panels(results: PaperResults) -> list[RootPanel]:
-    """The middle root of every reference actuator at 20 kPa, finest axisymmetric state."""
-    panels = []
-    for name in REFERENCE_SCENES:
-        case = named(results, name)
-        run = finest(case.result.axisymmetric) if case else None
-        if case and run:
-            place = case.folder / f"axisymmetric-{run.summary.level}"
-            panels.append(root_panel(case.result.scene, run, place, HIGHEST_KPA))
-    return [panel for panel in panels if panel]
 
 
 def _content(
@@ -135,6 +98,7 @@ def _content(
         "provenance": tables.provenance([_report_of(case) for case in results.cases], provenance),
         "wall": duration(wall_s["total"]) if "total" in wall_s else "",
         "pictures": dict(pictures),
+        "states": {name.removeprefix(STATES): name for name in pictures if name.startswith(STATES)},
     }
 
 

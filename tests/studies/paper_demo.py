@@ -24,6 +24,7 @@ TIPS = {(1.0, False): 150.0, (1.0, True): 100.0, (2.0, False): 70.0, (2.0, True)
 # Relative error of a mesh: second order in the meridian, nothing round the circumference.
 ERRORS = {"r1": 0.004, "r2": 0.001, "r4": 0.00025, "r8": 0.0000625}
 
+
 def case_of(group: str, name: str) -> Case:
     return next(case for (of, called), case in ALL.items() if (of, called) == (group, name))
 

@@ -23,7 +23,7 @@ from studies.paper_report import write_paper_report
 from studies.paper_results import CaseResult, PaperResults
 from studies.rows import read_rows, row
 from studies.tables import MISSING, Table
-from tests.studies.paper_demo import ALL, case_of, make_case, make_results, scene_of, usual_tip, whole
+from tests.studies.paper_demo import case_of, make_case, make_results, scene_of, usual_tip, whole
 
 FIRST = REFERENCE_SCENES[0]
 TABLES: tuple[Callable[[PaperResults], Table], ...] = (
