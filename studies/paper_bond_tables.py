@@ -5,8 +5,18 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from studies.paper_cases import BOND_BASES, BOND_VARIANTS
-from studies.paper_numbers import HIGHEST_KPA, asked_state, is_known, last_kpa, measured, number
+from studies.paper_cases import BOND_BASES, BOND_VARIANTS, REFERENCE_SCENES
+from studies.paper_numbers import (
+    HIGHEST_KPA,
+    PRESSURES_KPA,
+    asked_state,
+    difference,
+    is_known,
+    last_kpa,
+    measured,
+    number,
+    tip,
+)
 from studies.paper_results import CaseResult, PaperResults, find
 from studies.run_log import Run
 from studies.tables import MISSING, TIP, Table, difference_percent, rounded_up, signed
@@ -68,6 +78,25 @@ def change_percent(case: CaseResult | None, rigid: CaseResult | None, level: str
     return difference_percent(rows[0].value, rows[1].value)
 
 
+def default_bond(results: PaperResults) -> Table:
+    """Default bond less rigid bond, mm (%), of every reference actuator by pressure (kPa), both on triangles."""
+    lines = []
+    for name in REFERENCE_SCENES:
+        default, rigid = results.variant(name, "tets"), results.variant(name, "rings", "ring-rigid")
+        rows = [(tip(default, pressure_kpa=p), tip(rigid, pressure_kpa=p)) for p in PRESSURES_KPA]
+        shares = [
+            abs(difference_percent(one.value, other.value))
+            for one, other in rows
+            if one and other and is_known(one) and is_known(other)
+        ]
+        verdict = MISSING
+        if len(shares) == len(rows):
+            verdict = "bonded" if max(shares) <= BONDED_PERCENT else "model change"
+        lines.append((name, *(difference(one, other) for one, other in rows), verdict))
+    header = ("actuator", *(f"{pressure:g} kPa, mm (%)" for pressure in PRESSURES_KPA), "up to 20 kPa")
+    return Table(header, tuple(lines), left=(0, len(header) - 1))
+
+
 def verdicts(results: PaperResults) -> tuple[str, ...]:
     """A sentence per softened bond: if it counts as bonded by the definition, with its slip."""
     sentences = []
@@ -95,6 +124,9 @@ def _verdict(case: CaseResult | None, rigid: CaseResult | None) -> str:
     slip = measured(case, "peak_slip_mm", "axisymmetric", common[-1])
     slip_text = f"largest slip {number(slip)} mm at {common[-1]:g} kPa" if is_known(slip) else "slip not measured"
     verdict = "bonded" if largest <= BONDED_PERCENT else "model change"
+    if largest > BONDED_PERCENT:
+        beyond = next(p for p in common if max(changes[p]) > BONDED_PERCENT)
+        verdict += f" from {beyond:g} kPa on"
     return (
         f"{verdict}: the tip changes by at most {rounded_up(largest, 2):g} % (at {worst:g} kPa; asked: at most "
         f"{BONDED_PERCENT:g} %) over the pressures up to {common[-1]:g} kPa that the rigid bond reaches on "

@@ -260,14 +260,15 @@ def cost_rises(results: PaperResults, rung: Literal["axisymmetric", "full3d"]) -
     done = [run for run in runs if run is not None and asked_state(run) is not None]
     label = "axisymmetric" if rung == "axisymmetric" else "full 3D"
     text = f"The cost of a solution rises with the pressure: {label} runs."
+    start = " Every pressure starts from the axisymmetric state." if rung == "full3d" else ""
     if not done:
         return Claim(text, f"No run reached {HIGHEST_KPA:g} kPa.", UNDECIDED)
     parts = [interval_costs(run) for run in done]
     iterations = [sum(part[k][0] for part in parts) for k in range(len(PRESSURES_KPA))]
     seconds = [sum(part[k][1] for part in parts) for k in range(len(PRESSURES_KPA))]
     finding = (
-        f"{len(done)} runs together, per 5 kPa: {', '.join(map(str, iterations))} Newton iterations, "
-        f"{', '.join(f'{s:.1f}' for s in seconds)} s. Judged by the iterations: the machine is shared."
+        f"Runs taken together: {len(done)}; per 5 kPa: {', '.join(map(str, iterations))} Newton iterations, "
+        f"{', '.join(f'{s:.1f}' for s in seconds)} s. Judged by the iterations: the machine is shared.{start}"
     )
     rising = all(one <= other for one, other in zip(iterations, iterations[1:], strict=False))
     if iterations[-1] <= iterations[0]:

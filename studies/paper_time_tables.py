@@ -16,11 +16,6 @@ from studies.tables import MISSING, Table, count, short_time, times_of, work_of
 TETS: Final = "full 3D, tetrahedra"
 
 
-def all_runs(results: PaperResults) -> tuple[RunSummary, ...]:
-    """Every run of every case."""
-    return tuple(run.summary for case in results.cases for run in _runs(case))
-
-
 def _runs(case: CaseResult) -> tuple[Run, ...]:
     result = case.result
     return (*result.axisymmetric, *result.sector, *result.full3d)

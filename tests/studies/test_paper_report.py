@@ -45,6 +45,7 @@ TABLES: tuple[Callable[[PaperResults], Table], ...] = (
     paper_variant_tables.beyond,
     paper_variant_tables.stretches,
     paper_bond_tables.bonds,
+    paper_bond_tables.default_bond,
     paper_time_tables.split,
     paper_time_tables.work,
     lambda results: paper_time_tables.by_model(results, {}),
@@ -120,8 +121,10 @@ def test_acceptance_counts_bands(results: PaperResults) -> None:
     assert (full["found"], full["verdict"]) == ("0.5 %", "met")  # 1.25 times the 0.4 % of its meridian, nothing round
     assert found[f"{FIRST}: axisymmetric from full 3D at 20 kPa"]["verdict"] == "met"
     # Four reference actuators and eight alternates have r8, at four pressures each.
-    assert found["axisymmetric bands that hold the next finer mesh: r4 by r8"]["found"] == "100.0 % (48 of 48)"
-    assert found["full 3D bands that hold the finest mesh: n8 by n12r3"]["found"] == "100.0 % (4 of 4)"
+    assert (
+        found["axisymmetric bands that hold the next finer mesh: r4 by r8, all cases"]["found"] == "100.0 % (48 of 48)"
+    )
+    assert found["full 3D bands that hold the finest mesh: n8 by n12r3, all cases"]["found"] == "100.0 % (4 of 4)"
     nothing = lines(paper_audit.acceptance(PaperResults(())))
     assert {line["verdict"] for line in nothing} == {"not run"}
 
@@ -151,13 +154,21 @@ def bond(suffix: str, change: float, levels: tuple[str, ...] = ("r1", "r2", "r4"
 
 
 def test_bonded_is_what_changes_the_tip_by_one_percent_at_most() -> None:
-    rigid = bond("bond-rigid", 0.0)
+    rigid, scene = bond("bond-rigid", 0.0), scene_of("core", FIRST)
     found = make_results(bond("bond-graded", 0.034), bond("bond-uniform", 0.009), rigid)
     graded, uniform = paper_bond_tables.verdicts(found)
-    assert "model change: the tip changes by at most 3.4 %" in graded and "0.5000 ± 0.0010 mm at 30 kPa" in graded
+    assert (
+        "model change from 2.5 kPa on: the tip changes by at most 3.4 %" in graded
+        and "0.5000 ± 0.0010 mm at 30 kPa" in graded
+    )
     assert "bonded: the tip changes by at most 0.9 %" in uniform
     (line, *_) = lines(paper_bond_tables.bonds(found))
     assert (line["mesh"], line["reached, kPa"], line["from the rigid bond, %"]) == ("r1", "30", "+3.4")
+    rings = make_case(case_of("rings", f"{FIRST}-ring-rigid"))
+    default = make_case(case_of("tets", f"{FIRST}-tets"), tip=lambda level, p: 1.02 * usual_tip(scene)(level, p))
+    (line, *others) = lines(paper_bond_tables.default_bond(make_results(rings, default)))
+    assert (line["20 kPa, mm (%)"], line["up to 20 kPa"]) == ("+3.00 (+2.0 %)", "model change")
+    assert {other["up to 20 kPa"] for other in others} == {MISSING}
     two = make_results(bond("bond-graded", 0.0), bond("bond-rigid", 0.0, ("r1", "r2")))
     assert all("cannot tell" in sentence for sentence in paper_bond_tables.verdicts(two))
     assert len(paper_bond_tables.verdicts(PaperResults(()))) == len(BOND_VARIANTS) - 1
