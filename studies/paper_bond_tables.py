@@ -10,6 +10,7 @@ from studies.paper_numbers import (
     HIGHEST_KPA,
     PRESSURES_KPA,
     asked_state,
+    common_levels,
     difference,
     is_known,
     last_kpa,
@@ -79,11 +80,14 @@ def change_percent(case: CaseResult | None, rigid: CaseResult | None, level: str
 
 
 def default_bond(results: PaperResults) -> Table:
-    """Default bond less rigid bond, mm (%), of every reference actuator by pressure (kPa), both on triangles."""
+    """Default bond less rigid bond, mm (%), of every reference actuator by pressure (kPa), on the same triangles."""
     lines = []
     for name in REFERENCE_SCENES:
         default, rigid = results.variant(name, "tets"), results.variant(name, "rings", "ring-rigid")
-        rows = [(tip(default, pressure_kpa=p), tip(rigid, pressure_kpa=p)) for p in PRESSURES_KPA]
+        level = next(iter(common_levels(default, rigid)), "")
+        rows = [
+            (tip(default, pressure_kpa=p, level=level), tip(rigid, pressure_kpa=p, level=level)) for p in PRESSURES_KPA
+        ]
         shares = [
             abs(difference_percent(one.value, other.value))
             for one, other in rows
@@ -92,9 +96,9 @@ def default_bond(results: PaperResults) -> Table:
         verdict = MISSING
         if len(shares) == len(rows):
             verdict = "bonded" if max(shares) <= BONDED_PERCENT else "model change"
-        lines.append((name, *(difference(one, other) for one, other in rows), verdict))
-    header = ("actuator", *(f"{pressure:g} kPa, mm (%)" for pressure in PRESSURES_KPA), "up to 20 kPa")
-    return Table(header, tuple(lines), left=(0, len(header) - 1))
+        lines.append((name, level or MISSING, *(difference(one, other) for one, other in rows), verdict))
+    header = ("actuator", "mesh", *(f"{pressure:g} kPa, mm (%)" for pressure in PRESSURES_KPA), "up to 20 kPa")
+    return Table(header, tuple(lines), left=(0, 1, len(header) - 1))
 
 
 def verdicts(results: PaperResults) -> tuple[str, ...]:

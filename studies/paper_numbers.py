@@ -43,10 +43,22 @@ def named(results: PaperResults, name: str) -> CaseResult | None:
 
 
 def tip(
-    case: CaseResult | None, rung: str = "axisymmetric", pressure_kpa: float = HIGHEST_KPA, quantity: str = TIP
+    case: CaseResult | None,
+    rung: str = "axisymmetric",
+    pressure_kpa: float = HIGHEST_KPA,
+    quantity: str = TIP,
+    level: str | None = None,
 ) -> Row | None:
-    """Finest row of a rung at a pressure (kPa); None without the case or the row."""
-    return find(case.rows, quantity, rung, pressure_kpa) if case else None
+    """Row of a rung at a pressure (kPa), of a level or of the finest; None without the case or the row."""
+    return find(case.rows, quantity, rung, pressure_kpa, level) if case else None
+
+
+def common_levels(one: CaseResult | None, other: CaseResult | None) -> list[str]:
+    """Axisymmetric meshes that both cases have, the finest first."""
+    if one is None or other is None:
+        return []
+    have = {run.summary.level for run in other.result.axisymmetric}
+    return [run.summary.level for run in reversed(one.result.axisymmetric) if run.summary.level in have]
 
 
 def measured(case: CaseResult | None, quantity: str, rung: str, pressure_kpa: float | None = None) -> Row | None:
