@@ -73,7 +73,7 @@ def summary(scenes: Sequence[SceneReport], verdicts: Sequence[str]) -> Table:
     lines = []
     for scene, verdict in zip(scenes, verdicts, strict=True):
         highest = max(scene.pressures_kpa)
-        values = [_value(headline(scene, rung, highest)) for rung in rungs]
+        values = [value_text(headline(scene, rung, highest)) for rung in rungs]
         link = f"[{scene.name}](#{anchor_of(scene)})"
         lines.append((link, f"{highest:g}", *values, _status(scene), verdict))
     header = ("scene", "kPa", *map(rung_label, rungs), "status", "verdict")
@@ -86,7 +86,7 @@ def tips(scene: SceneReport) -> Table:
     counted = [rung for rung in RUNGS if finest_path(scene, rung)]
     lines = []
     for pressure in scene.pressures_kpa:
-        values = [_value(headline(scene, rung, pressure)) for rung in rungs]
+        values = [value_text(headline(scene, rung, pressure)) for rung in rungs]
         modes = [_modes(finest_path(scene, rung), pressure) for rung in counted]
         lines.append((f"{pressure:g}", *values, *modes))
     header = ("pressure, kPa", *map(rung_label, rungs))
@@ -124,7 +124,7 @@ def comparisons(scene: SceneReport) -> Table:
                 error = signed(row.error_percent) if math.isfinite(row.error_percent) else MISSING
                 model = model_label(rung, row.level)
                 lines.append(
-                    (model, f"{pressure:g}", _value(row), f"{row.reference:.5g}", error, row.source or MISSING)
+                    (model, f"{pressure:g}", value_text(row), f"{row.reference:.5g}", error, row.source or MISSING)
                 )
     unit = unit_of(scene)
     header = ("model", "pressure, kPa", f"value, {unit}", f"reference, {unit}", "error, %", "source of the reference")
@@ -140,13 +140,13 @@ def convergence(scene: SceneReport) -> Table:
             continue
         for level in levels:
             run = next((run for run in scene.runs if (run.rung, run.level) == (rung, level)), None)
-            size = (_count(run.cells), _count(run.nodes), _count(run.dofs)) if run else (MISSING,) * 3
+            size = (count(run.cells), count(run.nodes), count(run.dofs)) if run else (MISSING,) * 3
             tips = [_level_value(scene, rung, level, pressure) for pressure in scene.pressures_kpa]
             lines.append((model_label(rung, level), *size, *tips))
         bounds = [headline(scene, rung, pressure) for pressure in scene.pressures_kpa]
         if any(row and math.isfinite(row.uncertainty) for row in bounds):
             known = (row.uncertainty if row else math.nan for row in bounds)
-            texts = (MISSING if math.isnan(bound) else f"± {_up(bound, 3)}" for bound in known)
+            texts = (MISSING if math.isnan(bound) else f"± {up(bound, 3)}" for bound in known)
             lines.append((f"uncertainty of {model_label(rung, levels[-1])}", "", "", "", *texts))
     header = (f"at {pressure:g} kPa, {unit_of(scene)}" for pressure in scene.pressures_kpa)
     return Table(("model", "cells", "nodes", "unknowns", *header), tuple(lines))
@@ -177,16 +177,21 @@ def others(scene: SceneReport) -> Table:
 
 def work(scene: SceneReport) -> Table:
     """Size, work and peak memory (MB) of each run."""
+    return work_of(scene.runs, [model_label(run.rung, run.level) for run in scene.runs])
+
+
+def work_of(runs: Sequence[RunSummary], labels: Sequence[str]) -> Table:
+    """As `work`, of any runs by their labels."""
     lines = tuple(
         (
-            model_label(run.rung, run.level),
+            label,
             run.status,
-            *(_count(n) for n in (run.dofs, run.factorisations, run.newton_iterations, run.rejected_steps)),
+            *(count(n) for n in (run.dofs, run.factorisations, run.newton_iterations, run.rejected_steps)),
             f"{run.peak_mb:.0f}",
             f"{run.ranks}",
             f"{run.threads}",
         )
-        for run in scene.runs
+        for label, run in zip(labels, runs, strict=True)
     )
     header = ("run", "status", "unknowns", "factorisations", "Newton iterations", "rejected steps")
     return Table((*header, "peak memory, MB", "ranks", "threads"), lines, left=(0, 1))
@@ -194,12 +199,17 @@ def work(scene: SceneReport) -> Table:
 
 def times(scene: SceneReport) -> Table:
     """Wall time (s) of each run by activity."""
-    split = seconds_of(scene.runs)
+    return times_of(scene.runs, [model_label(run.rung, run.level) for run in scene.runs])
+
+
+def times_of(runs: Sequence[RunSummary], labels: Sequence[str]) -> Table:
+    """As `times`, of any runs by their labels."""
+    split = seconds_of(runs)
     lines = []
-    for place, run in enumerate(scene.runs):
+    for place, (label, run) in enumerate(zip(labels, runs, strict=True)):
         seconds = [values[place] for values in split.values()]
         total = run.time_s.get("total", sum(seconds))
-        lines.append((model_label(run.rung, run.level), *(_short(value) for value in (*seconds, total))))
+        lines.append((label, *(short_time(value) for value in (*seconds, total))))
     return Table(("run, s", *split, "total"), tuple(lines))
 
 
@@ -365,7 +375,7 @@ def short_status(status: str) -> str:
     return found[0] if found else status
 
 
-def _value(row: Row | None) -> str:
+def value_text(row: Row | None) -> str:
     """Tip, mm (or N, which is said), and its uncertainty; printed numbers with the digits they have."""
     if row is None:
         return MISSING
@@ -375,7 +385,9 @@ def _value(row: Row | None) -> str:
         return f"{row.value:g}"
     digits, unit = (3, " N") if row.unit == "N" else (2, "")
     text = f"{row.value:.{digits}f}"
-    return f"{text}{unit}" if math.isnan(row.uncertainty) else f"{text} ± {_up(row.uncertainty, digits)}{unit}"
+    text = f"{text}{unit}" if math.isnan(row.uncertainty) else f"{text} ± {up(row.uncertainty, digits)}{unit}"
+    state = row.status.removeprefix(REACHED).strip(", ")
+    return f"{text} ({state})" if state else text
 
 
 def _generic(row: Row) -> str:
@@ -401,7 +413,7 @@ def signed(percent: float) -> str:
     return text.replace("-", "\N{MINUS SIGN}")
 
 
-def _up(value: float, decimals: int) -> str:
+def up(value: float, decimals: int) -> str:
     """An uncertainty rounded up, so that none reads as zero."""
     scale = 10.0**decimals
     return f"{math.ceil(value * scale - 1e-9) / scale:.{decimals}f}"
@@ -415,9 +427,11 @@ def rounded_up(value: float, digits: int) -> float:
     return math.ceil(value * scale - 1e-9) / scale
 
 
-def _count(number: int) -> str:
+def count(number: int) -> str:
+    """A whole number with its thousands set apart."""
     return f"{number:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
 
 
-def _short(seconds: float) -> str:
+def short_time(seconds: float) -> str:
+    """Seconds with as many decimals as they deserve."""
     return f"{seconds:.1f}" if seconds < 100.0 else f"{seconds:.0f}"

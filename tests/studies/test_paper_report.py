@@ -1,0 +1,208 @@
+"""The paper study's report: its tables have the rows' numbers, and what is missing is a dash, never an exception."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from studies import (
+    paper_audit,
+    paper_bond_tables,
+    paper_summary,
+    paper_tables,
+    paper_time_tables,
+    paper_variant_tables,
+)
+from studies.paper_cases import BOND_VARIANTS, REFERENCE_SCENES
+from studies.paper_claims import claims
+from studies.paper_numbers import number
+from studies.paper_report import write_paper_report
+from studies.paper_results import CaseResult, PaperResults
+from studies.rows import read_rows, row
+from studies.tables import MISSING, Table
+from tests.studies.paper_demo import case_of, make_case, make_results, scene_of, usual_tip, whole
+
+FIRST = REFERENCE_SCENES[0]
+TABLES: tuple[Callable[[PaperResults], Table], ...] = (
+    paper_tables.answers,
+    paper_tables.closed_form_errors,
+    paper_tables.model_errors,
+    paper_tables.printed_errors,
+    paper_tables.mean_errors,
+    paper_tables.assumptions,
+    paper_tables.unfoldings,
+    paper_audit.acceptance,
+    paper_audit.misses,
+    paper_variant_tables.dimension_swing,
+    paper_variant_tables.conventions,
+    paper_variant_tables.silicones,
+    paper_variant_tables.silicone_effects,
+    paper_variant_tables.rings,
+    paper_variant_tables.blocked,
+    paper_variant_tables.beyond,
+    paper_variant_tables.stretches,
+    paper_bond_tables.bonds,
+    paper_bond_tables.default_bond,
+    paper_time_tables.split,
+    paper_time_tables.work,
+    lambda results: paper_time_tables.by_model(results, {}),
+)
+
+
+def lines(table: Table) -> list[dict[str, str]]:
+    return [dict(zip(table.header, cells, strict=True)) for cells in table.rows]
+
+
+@pytest.fixture(scope="module")
+def results() -> PaperResults:
+    return whole()
+
+
+@pytest.mark.parametrize("make", TABLES)
+def test_no_table_needs_all_cases(make: Callable[[PaperResults], Table], results: PaperResults) -> None:
+    for found in (PaperResults(()), PaperResults(results.cases[::3])):
+        table = make(found)
+        assert all(len(cells) == len(table.header) for cells in table.rows)
+
+
+def test_answers_put_all_models_side_by_side(results: PaperResults) -> None:
+    first = lines(paper_tables.answers(results))[0]
+    assert first["actuator"] == FIRST
+    assert first["silicone, inferred"] == "Dragon Skin 10"
+    assert first["axisymmetric"] == "150.04 ± 0.05"  # 150 (1 + 0.00025); 1.25 times the distance to 150
+    assert first["full 3D"].startswith("150.60 ±")
+    assert "folded back" in first["closed form as printed"]
+    assert [first[f"paper: {what}"] for what in ("closed form", "ANSYS", "experiment")] == ["121", "115", "141"]
+    assert first["unstable modes: axisymmetric / full 3D / tetrahedra"] == "0 / 0 / 0"
+    empty = lines(paper_tables.answers(PaperResults(())))[0]
+    assert empty["axisymmetric"] == MISSING
+
+
+def test_errors_have_sign_size_and_percent(results: PaperResults) -> None:
+    found = [line for line in lines(paper_tables.printed_errors(results)) if line["actuator"] == FIRST]
+    axisymmetric = next(line for line in found if line["model"] == "axisymmetric")
+    assert list(axisymmetric.values())[3:] == ["+35.0", "35.0", "+30.5", "+9.0", "9.0", "+6.4"]
+    ansys = next(line for line in found if line["model"] == "paper: ANSYS")
+    assert list(ansys.values())[3:] == [MISSING] * 3 + ["−26.0", "26.0", "−18.4"]
+    mean = lines(paper_tables.mean_errors(results))
+    assert next(line for line in mean if line["model"] == "paper: ANSYS")["from the test, mm"] == "17.5"
+    printed = next(line for line in mean if line["model"] == "closed form as printed")
+    assert printed["actuators"] == "2"  # the others have folded back
+    at_20 = lines(paper_tables.closed_form_errors(results))[3]
+    assert (at_20["pressure, kPa"], at_20["finite elements"]) == ("20", "full 3D")
+    assert at_20["closed form, mm (%)"].startswith("−33.97 (−22.6 %)")  # 116.63 less 150.60
+
+
+def test_assumptions_stand_beside_the_models() -> None:
+    extra = (row(FIRST, "root_stretch_outer", "1", 20.0, "closed_form", 1.5),)
+    case = make_case(case_of("core", FIRST), measured={"root_stretch_outer": lambda p: 2.0}, extra=extra)
+    (line,) = lines(paper_tables.assumptions(make_results(case)))
+    assert line["5 kPa"] == "2.0000 ± 0.0010"
+    assert line["20 kPa"] == "2.0000 ± 0.0010; model 1.5 (−25.0 %)"
+
+
+def test_numbers_have_the_decimals_of_their_uncertainty() -> None:
+    def text(value: float, uncertainty: float, status: str = "reached") -> str:
+        return number(row("x", "q", "1", 20.0, "axisymmetric", value, "r4", uncertainty, status=status))
+
+    assert text(24.379, 0.0064) == "24.3790 ± 0.0064"
+    assert text(3.2, 2.4) == "3.2 ± 2.4"
+    assert text(2.0, math.nan) == "2"
+    assert text(math.nan, math.nan, "stopped at 3 kPa: why") == "stopped at 3 kPa"
+    assert number(None) == MISSING
+
+
+def test_acceptance_counts_bands(results: PaperResults) -> None:
+    found = {line["what must be shown"]: line for line in lines(paper_audit.acceptance(results))}
+    full = found[f"{FIRST}: uncertainty of full 3D at 20 kPa"]
+    assert (full["found"], full["verdict"]) == ("0.5 %", "met")  # 1.25 times the 0.4 % of its meridian, nothing round
+    assert found[f"{FIRST}: axisymmetric from full 3D at 20 kPa"]["verdict"] == "met"
+    # Four reference actuators and eight alternates have r8, at four pressures each.
+    assert (
+        found["axisymmetric bands that hold the next finer mesh: r4 by r8, all cases"]["found"] == "100.0 % (48 of 48)"
+    )
+    assert found["full 3D bands that hold the finest mesh: n8 by n12r3, all cases"]["found"] == "100.0 % (4 of 4)"
+    nothing = lines(paper_audit.acceptance(PaperResults(())))
+    assert {line["verdict"] for line in nothing} == {"not run"}
+
+
+def test_a_band_that_does_not_hold_is_told() -> None:
+    tip = usual_tip(scene_of("core", FIRST))
+    case = make_case(case_of("core", FIRST), tip=lambda level, p: tip(level, p) + (1.0 if level == "r4" else 0.0))
+    results = make_results(case)
+    missed = lines(paper_audit.misses(results))
+    assert [line["pressure, kPa"] for line in missed] == ["5", "10", "15", "20"]
+    assert {line["mesh of the band"] for line in missed} == {"axisymmetric r2"}
+    assert "not met" in [line["verdict"] for line in lines(paper_audit.acceptance(results))]
+
+
+def test_range_over_the_sets_needs_all_of_them(results: PaperResults) -> None:
+    line = lines(paper_variant_tables.dimension_swing(results))[3]
+    assert (line["range, mm"], line["range, % of the reference"], line["paper: experiment, mm"]) == ("0.0", "0", "141")
+    few = PaperResults(tuple(case for case in results.cases if case.case.group == "core"))
+    assert lines(paper_variant_tables.dimension_swing(few))[3]["range, mm"] == MISSING
+
+
+def bond(suffix: str, change: float, levels: tuple[str, ...] = ("r1", "r2", "r4")) -> CaseResult:
+    case = case_of("bond", f"{FIRST}-{suffix}")
+    tip = usual_tip(scene_of("bond", case.name))
+    slip = {"peak_slip_mm": lambda p: 0.5}
+    return make_case(case, tip=lambda level, p: (1.0 + change) * tip(level, p), measured=slip, levels=levels)
+
+
+def test_bonded_is_what_changes_the_tip_by_one_percent_at_most() -> None:
+    rigid, scene = bond("bond-rigid", 0.0), scene_of("core", FIRST)
+    found = make_results(bond("bond-graded", 0.034), bond("bond-uniform", 0.009), rigid)
+    graded, uniform = paper_bond_tables.verdicts(found)
+    assert (
+        "model change from 2.5 kPa on: the tip changes by at most 3.4 %" in graded
+        and "0.5000 ± 0.0010 mm at 30 kPa" in graded
+    )
+    assert "bonded: the tip changes by at most 0.9 %" in uniform
+    (line, *_) = lines(paper_bond_tables.bonds(found))
+    assert (line["mesh"], line["reached, kPa"], line["from the rigid bond, %"]) == ("r1", "30", "+3.4")
+    rings = make_case(case_of("rings", f"{FIRST}-ring-rigid"))
+    default = make_case(case_of("tets", f"{FIRST}-tets"), tip=lambda level, p: 1.02 * usual_tip(scene)(level, p))
+    (line, *others) = lines(paper_bond_tables.default_bond(make_results(rings, default)))
+    assert (line["20 kPa, mm (%)"], line["up to 20 kPa"]) == ("+3.00 (+2.0 %)", "model change")
+    assert {other["up to 20 kPa"] for other in others} == {MISSING}
+    two = make_results(bond("bond-graded", 0.0), bond("bond-rigid", 0.0, ("r1", "r2")))
+    assert all("cannot tell" in sentence for sentence in paper_bond_tables.verdicts(two))
+    assert len(paper_bond_tables.verdicts(PaperResults(()))) == len(BOND_VARIANTS) - 1
+
+
+def test_convention_is_told_only_beyond_uncertainty_and_print() -> None:
+    def mm(value: float, uncertainty: float = 0.1):
+        return row("x", "tip_mm", "mm", 20.0, "axisymmetric", value, "r4", uncertainty)
+
+    assert paper_variant_tables.nearer(mm(74.0), mm(40.0), mm(33.0)) == "μ/α"
+    assert paper_variant_tables.nearer(mm(35.0), mm(40.0), mm(33.0)) == "2μ/α²"
+    assert paper_variant_tables.nearer(mm(32.0), mm(34.1), mm(33.0)) == "cannot tell"
+    assert paper_variant_tables.nearer(None, mm(34.1), mm(33.0)) == MISSING
+
+
+def test_what_stopped_is_shown_with_its_reason() -> None:
+    case = make_case(case_of("beyond", f"{FIRST}-to-30"), stop_kpa=22.5)
+    results = make_results(case)
+    line = lines(paper_variant_tables.beyond(results))[0]
+    assert (line["reached, kPa"], line["end"]) == ("22.5", "no convergence | <at all>")
+    (sentence,) = paper_summary.stops(results)
+    assert "axisymmetric r1 at 22.5 kPa" in sentence and "no convergence" in sentence
+
+
+def test_report_renders_all_and_nothing(tmp_path: Path, results: PaperResults) -> None:
+    pictures = {"elongations": "not asked for", "states-demo": "not asked for", "figure4b": "not asked for"}
+    for name, found in (("all", results), ("some", PaperResults(results.cases[:3])), ("none", PaperResults(()))):
+        folder = tmp_path / name
+        page = write_paper_report(folder, found, {"commit": "abc1234"}, {"total": 90.0}, pictures)
+        text = (folder / "report.md").read_text(encoding="utf-8")
+        assert "abc1234" in text and "inferred" in text and "not asked for" in text
+        assert "<table>" in page.read_text(encoding="utf-8")
+        assert len(read_rows(folder / "rows.csv")) == len(found.rows)
+        for claim in claims(found):
+            assert claim.verdict in text
+        body = [line for line in text.splitlines() if line.startswith("|")]
+        assert body and not any("nan" in line.lower().split() for line in body)
