@@ -5,18 +5,13 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from studies.paper_cases import BOND_BASES, BOND_VARIANTS, REFERENCE_SCENES
 from studies.paper_numbers import (
     HIGHEST_KPA,
-    PRESSURES_KPA,
     asked_state,
-    common_levels,
-    difference,
     is_known,
     last_kpa,
     measured,
     number,
-    tip,
 )
 from studies.paper_results import CaseResult, PaperResults, find
 from studies.run_log import Run
@@ -26,19 +21,19 @@ RIGID: Final = "bond-rigid"
 # DESIGN, section 4: what a softer bond may change in the tip's elongation, and on how many meshes of the rigid one.
 BONDED_PERCENT: Final = 1.0
 BONDED_MESHES: Final = 3
+# Keys that change the crest, so that the tip differs for another reason than the bond.
+SHAPE_KEYS: Final = {"rings.seat_mm", "geometry.fillet_mm"}
 
 
 def bonds(results: PaperResults) -> Table:
     """Every bond on every mesh: pressure reached and why no further, tip at 20 kPa (mm), slip and stretch there."""
     lines = []
-    for base in BOND_BASES:
-        for suffix, label, _ in BOND_VARIANTS:
-            case = results.variant(base, "bond", suffix)
-            for run in case.result.axisymmetric if case else ():
-                lines.append((base, label, *_mesh_line(case, results.variant(base, "bond", RIGID), run)))
+    for case in results.of("bond"):
+        rigid = results.variant(case.case.base, "bond", RIGID)
+        lines += [(case.case.base, case.case.label, *_mesh_line(case, rigid, run)) for run in case.result.axisymmetric]
     header: tuple[str, ...] = (
         "actuator",
-        "bond",
+        "bond and crest",
         "mesh",
         "reached, kPa",
         f"tip at {HIGHEST_KPA:g} kPa, mm",
@@ -48,11 +43,11 @@ def bonds(results: PaperResults) -> Table:
     return Table(header, tuple(lines), left=(0, 1, 2, 9))
 
 
-def _mesh_line(case: CaseResult | None, rigid: CaseResult | None, run: Run) -> tuple[str, ...]:
+def _mesh_line(case: CaseResult, rigid: CaseResult | None, run: Run) -> tuple[str, ...]:
     level = run.summary.level
     state = asked_state(run)
     found = (
-        find(case.measured, quantity, "axisymmetric", HIGHEST_KPA, level) if case else None
+        find(case.measured, quantity, "axisymmetric", HIGHEST_KPA, level)
         for quantity in ("peak_slip_mm", "peak_stretch", "peak_stretch_away")
     )
     return (
@@ -79,36 +74,13 @@ def change_percent(case: CaseResult | None, rigid: CaseResult | None, level: str
     return difference_percent(rows[0].value, rows[1].value)
 
 
-def default_bond(results: PaperResults) -> Table:
-    """Default bond less rigid bond, mm (%), of every reference actuator by pressure (kPa), on the same triangles."""
-    lines = []
-    for name in REFERENCE_SCENES:
-        default, rigid = results.variant(name, "tets"), results.variant(name, "rings", "ring-rigid")
-        level = next(iter(common_levels(default, rigid)), "")
-        rows = [
-            (tip(default, pressure_kpa=p, level=level), tip(rigid, pressure_kpa=p, level=level)) for p in PRESSURES_KPA
-        ]
-        shares = [
-            abs(difference_percent(one.value, other.value))
-            for one, other in rows
-            if one and other and is_known(one) and is_known(other)
-        ]
-        verdict = MISSING
-        if len(shares) == len(rows):
-            verdict = "bonded" if max(shares) <= BONDED_PERCENT else "model change"
-        lines.append((name, level or MISSING, *(difference(one, other) for one, other in rows), verdict))
-    header = ("actuator", "mesh", *(f"{pressure:g} kPa, mm (%)" for pressure in PRESSURES_KPA), "up to 20 kPa")
-    return Table(header, tuple(lines), left=(0, 1, len(header) - 1))
-
-
 def verdicts(results: PaperResults) -> tuple[str, ...]:
-    """A sentence per softened bond: if it counts as bonded by the definition, with its slip."""
+    """A sentence per softened bond on the same crest: if it counts as bonded by the definition, with its slip."""
     sentences = []
-    for base in BOND_BASES:
-        rigid = results.variant(base, "bond", RIGID)
-        for suffix, label, _ in BOND_VARIANTS:
-            if suffix != RIGID:
-                sentences.append(f"{base}, {label}: {_verdict(results.variant(base, 'bond', suffix), rigid)}")
+    for case in results.of("bond"):
+        rigid = results.variant(case.case.base, "bond", RIGID)
+        if case is not rigid and not SHAPE_KEYS & set(case.case.changes):
+            sentences.append(f"{case.case.base}, {case.case.label}: {_verdict(case, rigid)}")
     return tuple(sentences)
 
 

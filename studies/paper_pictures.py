@@ -77,7 +77,7 @@ def _stills(case: CaseResult | None, pressures_kpa: Sequence[float] = ()) -> lis
     fields = field_files(place, pressures_kpa or case.result.scene.load.pressure_kpa)
     if not fields:
         return []
-    rings = session._ring_boxes(case.result.scene, place, run.summary.content_hash, list(fields))
+    rings = session.ring_boxes(case.result.scene, place, run.summary.content_hash, list(fields))
     stills = [Still("0 kPa", next(iter(fields.values())), deformed=False, rings=rings.get(0.0, ()))]
     for pressure, vtu in sorted(fields.items()):
         row = tip(case, "full3d", pressure)

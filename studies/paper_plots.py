@@ -152,7 +152,7 @@ def draw_beyond(path: Path, results: PaperResults) -> str:
             top.plot([s.pressure_kpa for s in asked], [s.tip_mm for s in asked], linestyle="none", **_dot(style))
             entries.append(Line2D([], [], label=label, **_dot(style)))
             _mark_end(top, run, _tip, style["color"])
-            peaks = _series(case.rows, "peak_stretch", "axisymmetric")
+            peaks = _series(case.rows, "peak_stretch_away", "axisymmetric")
             line = {"linewidth": 1.6, "color": style["color"], **_dot(style)}
             middle.plot([r.pressure_kpa for r in peaks], [r.value for r in peaks], **line)
         _draw_breaks(middle, [case.result.scene for case in cases.values()])

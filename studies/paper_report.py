@@ -85,7 +85,6 @@ def _content(
         "silicone_effects": paper_variant_tables.silicone_effects(results),
         "rings": paper_variant_tables.rings(results),
         "bonds": paper_bond_tables.bonds(results),
-        "default_bond": paper_bond_tables.default_bond(results),
         "bond_verdicts": paper_bond_tables.verdicts(results),
         "beyond": paper_variant_tables.beyond(results),
         "stretches": paper_variant_tables.stretches(results),

@@ -6,17 +6,21 @@ Axisymmetric runs are shared out, one rank each; bodies take all ranks. What is 
 from __future__ import annotations
 
 import shutil
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
 from mpi4py import MPI
 
 from analytical import bellows_loads, chains
+from analytical.paper import actuators
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
 from studies import compare, measures, provenance, uncertainty
 from studies.drawn import key_of
 from studies.paper_cases import AUDIT_BODY_LEVEL, Case, audit_cases, case_text, cases
+from studies.paper_numbers import PRESSURES_KPA
+from studies.paper_report import write_paper_report
 from studies.paper_results import CaseResult, PaperResults
 from studies.plan import SECTOR_LEVELS, make_plan
 from studies.progress import Progress
@@ -120,7 +124,16 @@ def _measured(place: Path, result: SceneResult) -> tuple[Row, ...]:
 
 def write_report(folder: Path) -> tuple[PaperResults, Path]:
     """Write the report of all that has been run into a folder; what was found, and the page."""
+    begin = time.perf_counter()
+    for actuator in actuators():
+        for chain in (chains.closed_form, chains.closed_form_printed, chains.closed_form_balanced):
+            chain(actuator.dimensions, actuator.law, PRESSURES_KPA)
+    seconds = {"closed form": time.perf_counter() - begin}
     results = read_results(folder, (*cases(), *audit_cases()))
+    runs = [
+        run for case in results.cases for run in (*case.result.axisymmetric, *case.result.sector, *case.result.full3d)
+    ]
+    seconds["total"] = sum(run.summary.time_s["total"] for run in runs)
     facts = {
         "commit": provenance.commit(),
         "date": provenance.now(),
@@ -128,4 +141,4 @@ def write_report(folder: Path) -> tuple[PaperResults, Path]:
         "BLAS": provenance.blas(),
         **provenance.versions(),
     }
-    return results, write_paper_report(folder, results, facts)
+    return results, write_paper_report(folder, results, facts, seconds)

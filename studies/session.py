@@ -173,7 +173,7 @@ def read_scene_folder(folder: Path, current: bool = False) -> SceneResult:
     return SceneResult(scene, axisymmetric, sector, full3d, tuple(scene_rows(scene, axisymmetric, sector, full3d)))
 
 
-def _ring_boxes(
+def ring_boxes(
     scene: Scene, run: Path, content_hash: str, pressures_kpa: Sequence[float]
 ) -> dict[float, tuple[RingBox, ...]]:
     """Where the rigid rings are at each pressure (kPa; 0 is unloaded), from the kept states."""
@@ -209,7 +209,7 @@ def render(folder: Path, title: str, introduction: str, scene_folders: Sequence[
         if result.full3d:
             finest = scene_folder / f"full3d-{result.full3d[-1].summary.level}"
             fields = field_files(finest, result.scene.load.pressure_kpa)
-            rings = _ring_boxes(result.scene, finest, result.full3d[-1].summary.content_hash, list(fields))
+            rings = ring_boxes(result.scene, finest, result.full3d[-1].summary.content_hash, list(fields))
         notes = validity_notes(result.scene)
         reports.append(
             SceneReport(

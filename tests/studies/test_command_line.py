@@ -159,7 +159,7 @@ def test_plan_says_what_is_skipped(small_scene):
     [
         ("wall_mm = 2.0", "wall_mm = 0.0", "geometry.wall_mm = 0.0"),
         ("fillet_mm = 0.5", "filet_mm = 0.5", "did you mean fillet_mm"),
-        ('bond = "adhesive"', 'bond = "glue"', "rings.bond = 'glue'"),
+        ('bond = "rigid"', 'bond = "glue"', "rings.bond = 'glue'"),
         ("seat_mm = 4.0", "seat_mm = 8.0", "collar_mm = 3"),
         ("alpha = 5.836", "alpha = inf", "material.alpha = inf"),
     ],
@@ -214,7 +214,11 @@ def test_stopped_run_exits_3_and_keeps_its_states(small_scene, tmp_path, monkeyp
 @pytest.mark.parametrize("control", ["volume", "pressure"])
 def test_loss_of_stability_is_in_the_summary_with_its_mode(small_scene, tmp_path, monkeypatch, control):
     monkeypatch.setattr("studies.plan.MERIDIAN_LEVELS", (1,))
-    text = small_scene.read_text().replace("[5.0, 10.0]", "[5.0, 60.0]").replace('"auto"', f'"{control}"')
+    text = (
+        small_scene.read_text()
+        .replace("[5.0, 10.0]", "[5.0, 60.0]")
+        .replace('control = "auto"', f'control = "{control}"')
+    )
     material = '[material]\nlaw = "neo-hooke"\nmu_kpa = 30.0\n'
     scene = tmp_path / "soft.toml"
     scene.write_text(re.sub(r"\[material\].*?(?=\[load\])", material + "\n", text, flags=re.S), encoding="utf-8")

@@ -112,7 +112,7 @@ def test_rigid_tip_moves_like_a_thick_cap(write, whole, rung: str) -> None:
 
 
 def test_meshed_rings_need_tetrahedra(write) -> None:
-    meshed = ('model = "rigid"', 'model = "meshed"')
+    meshed = ('model = "auto"', 'model = "meshed"')
     assert not in_hexahedra(load_scene(write("meshed", meshed)))
     wrong = write("wrong", meshed, more='\n[mesh]\nelement = "hex"\n')
     result = CliRunner().invoke(main, ["plan", str(wrong)])

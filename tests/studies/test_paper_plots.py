@@ -120,7 +120,7 @@ def made_up(
         add("tip_force_n", "N", p, "closed_form", 0.2 * p)
         add("extension_force_n", "N", p, "closed_form", 0.1 * p)
         if p <= stop_kpa:
-            add("peak_stretch", "1", p, "axisymmetric", 1.0 + 0.2 * p, level="r4")
+            add("peak_stretch_away", "1", p, "axisymmetric", 1.0 + 0.2 * p, level="r4")
     for rung, value in PRINTED.items():
         add("tip_mm", "mm", 20.0, rung, value)
     slope = SLOPES["axisymmetric"]
@@ -286,10 +286,10 @@ def test_blocked(tmp_path: Path, drawn: list[Figure]) -> None:
     assert paper_plots.draw_blocked(tmp_path / "x.png", found) == ""
     axes = drawn[0].axes[0]
     known = curves(axes)
-    assert known["closed form"][1] == pytest.approx([0.0, 1.0, 2.0, 3.0, 4.0])
-    assert known["thrust of the pressure alone"][1] == pytest.approx([0.0, 0.5, 1.0, 1.5, 2.0])
+    assert known["closed form"][1] == pytest.approx([0.0, 0.2, 0.5, 1.0, 1.5, 2.0])
+    assert known["thrust of the pressure alone"][1] == pytest.approx([0.0, 0.1, 0.25, 0.5, 0.75, 1.0])
     assert [text.get_text() for text in axes.texts] == ["stops at 12.0 kPa (bifurcation at 10.6 ± 0.5 kPa)"]
-    assert known["axisymmetric"][0] == [0.0, 5.0, 10.0, 10.6]
+    assert known["axisymmetric"][0] == [0.0, 1.0, 2.5, 5.0, 7.5, 10.0, 10.6]
     past = "axisymmetric, past the loss of stability"
     assert known[past][0] == [10.6, 11.0, 12.0]
     assert known[past][1] == pytest.approx([1.59, 1.65, 1.8])

@@ -16,7 +16,7 @@ from studies import (
     paper_time_tables,
     paper_variant_tables,
 )
-from studies.paper_cases import BOND_VARIANTS, REFERENCE_SCENES
+from studies.paper_cases import REFERENCE_SCENES
 from studies.paper_claims import claims
 from studies.paper_numbers import number
 from studies.paper_report import write_paper_report
@@ -45,7 +45,6 @@ TABLES: tuple[Callable[[PaperResults], Table], ...] = (
     paper_variant_tables.beyond,
     paper_variant_tables.stretches,
     paper_bond_tables.bonds,
-    paper_bond_tables.default_bond,
     paper_time_tables.split,
     paper_time_tables.work,
     lambda results: paper_time_tables.by_model(results, {}),
@@ -154,24 +153,22 @@ def bond(suffix: str, change: float, levels: tuple[str, ...] = ("r1", "r2", "r4"
 
 
 def test_bonded_is_what_changes_the_tip_by_one_percent_at_most() -> None:
-    rigid, scene = bond("bond-rigid", 0.0), scene_of("core", FIRST)
-    found = make_results(bond("bond-graded", 0.034), bond("bond-uniform", 0.009), rigid)
-    graded, uniform = paper_bond_tables.verdicts(found)
+    rigid = bond("bond-rigid", 0.0)
+    found = make_results(bond("bond-5-2-graded", 0.034), bond("bond-5-2", 0.009), rigid, bond("bond-seat-2", -0.02))
+    graded, uniform = paper_bond_tables.verdicts(found)  # another crest is no other bond
     assert (
-        "model change from 2.5 kPa on: the tip changes by at most 3.4 %" in graded
+        "model change from 5 kPa on: the tip changes by at most 3.4 %" in graded
         and "0.5000 ± 0.0010 mm at 30 kPa" in graded
     )
     assert "bonded: the tip changes by at most 0.9 %" in uniform
     (line, *_) = lines(paper_bond_tables.bonds(found))
     assert (line["mesh"], line["reached, kPa"], line["from the rigid bond, %"]) == ("r1", "30", "+3.4")
-    rings = make_case(case_of("rings", f"{FIRST}-ring-rigid"))
-    default = make_case(case_of("tets", f"{FIRST}-tets"), tip=lambda level, p: 1.02 * usual_tip(scene)(level, p))
-    (line, *others) = lines(paper_bond_tables.default_bond(make_results(rings, default)))
-    assert (line["20 kPa, mm (%)"], line["up to 20 kPa"]) == ("+3.00 (+2.0 %)", "model change")
-    assert {other["up to 20 kPa"] for other in others} == {MISSING}
-    two = make_results(bond("bond-graded", 0.0), bond("bond-rigid", 0.0, ("r1", "r2")))
+    two = make_results(bond("bond-5-2-graded", 0.0), bond("bond-rigid", 0.0, ("r1", "r2")))
     assert all("cannot tell" in sentence for sentence in paper_bond_tables.verdicts(two))
-    assert len(paper_bond_tables.verdicts(PaperResults(()))) == len(BOND_VARIANTS) - 1
+    assert paper_bond_tables.verdicts(make_results(bond("bond-5-2", 0.0))) == (
+        f"{FIRST}, Sil-Poxy, 5 / 2 MPa/mm: cannot tell: not run",
+    )
+    assert paper_bond_tables.verdicts(PaperResults(())) == ()
 
 
 def test_convention_is_told_only_beyond_uncertainty_and_print() -> None:

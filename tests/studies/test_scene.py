@@ -43,8 +43,12 @@ def test_shipped_scenes_are_accepted(path):
         ("wall_mm = 2.0", "wall_m = 0.002", ["geometry.wall_m = 0.002", "wall_mm"]),
         ("crest_radius_mm = 10.5", "crest_radius_mm = 4.0", ["crest_radius_mm = 4", "root_radius_mm = 5"]),
         ("collar_mm = 3.0", "collar_mm = 1.0", ["collar_mm = 1", "2.5 mm"]),
-        ('model = "rigid"', 'model = "soft"', ["rings.model = 'soft'", "'rigid'", "'meshed'"]),
-        ("bond_grading_mm = 1.0", "bond_grading_mm = 3.0", ["rings.bond_grading_mm = 3", "seat_mm = 4"]),
+        ('model = "auto"', 'model = "soft"', ["rings.model = 'soft'", "'rigid'", "'meshed'"]),
+        (
+            'bond = "rigid"',
+            'bond_grading_mm = 3.0\nbond = "adhesive"',
+            ["rings.bond_grading_mm = 3", "seat_mm = 4"],
+        ),
         ("[5.0, 10.0, 15.0, 20.0]", "[5.0, 5.0]", ["load.pressure_kpa = [5.0, 5.0]", "ascend"]),
         ("[5.0, 10.0, 15.0, 20.0]", "[-5.0]", ["load.pressure_kpa.0 = -5.0", "greater than 0"]),
         ("[5.0, 10.0, 15.0, 20.0]", "[20000.0]", ["20000", "units (kPa)"]),
@@ -87,8 +91,29 @@ def test_units_of_the_law():
     assert inverse_kappa(scene.material) == 0.0
 
 
-def test_bond_is_full_in_the_middle_of_a_seat_and_zero_at_its_edge():
-    scene = load_scene(ROOT / "scenes" / "heung-t2-ri5.toml")
+def test_adhesive_is_full_in_the_middle_of_a_seat_and_zero_at_its_edge(tmp_path):
+    text = (ROOT / "scenes" / "heung-t2-ri5.toml").read_text(encoding="utf-8")
+    path = tmp_path / "graded.toml"
+    path.write_text(text.replace('bond = "rigid"', 'bond = "adhesive"'), encoding="utf-8")
+    scene = load_scene(path)
     middle = shape_of(scene).crest_positions_mm[3]
     grade = bond_grade(scene, middle + np.array([-2.5, -2.0, -1.5, 0.0, 1.0, 2.0]))
     assert grade == pytest.approx([0.0, 0.0, 0.5, 1.0, 1.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("material", "tolerance", "model"),
+    [
+        ("pla", 1.0, "rigid"),
+        ("pla", 0.05, "rigid"),  # 0.005 % is a tenth of it
+        ("pla", 0.04, "meshed"),
+        ("polyethylene", 0.4, "rigid"),
+        ("polyethylene", 0.3, "meshed"),
+    ],
+)
+def test_rings_are_meshed_only_where_the_tolerance_needs_it(tmp_path, material, tolerance, model):
+    text = (ROOT / "scenes" / "heung-t2-ri5.toml").read_text(encoding="utf-8")
+    text = text.replace('material = "pla"', f'material = "{material}"')
+    path = tmp_path / "rings.toml"
+    path.write_text(text.replace("tolerance_percent = 1.0", f"tolerance_percent = {tolerance}"), encoding="utf-8")
+    assert load_scene(path).rings.model == model
