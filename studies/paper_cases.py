@@ -130,7 +130,8 @@ def cases() -> tuple[Case, ...]:
     found += [_variant("tets", base, "tets", "tetrahedra", in_tets, full3d=True) for base in REFERENCE_SCENES]
     found += [Case("alternates", name, name, f"alternate {name.split('-')[1]}") for name in ALTERNATE_SCENES]
     for base in REFERENCE_SCENES:
-        found.append(_variant("beyond", base, "to-30", "to 30 kPa", {"load.pressure_kpa": BEYOND_KPA}))
+        beyond = {"load.pressure_kpa": BEYOND_KPA, "ask.fields": False}
+        found.append(_variant("beyond", base, "to-30", "to 30 kPa", beyond, full3d=True))
         blocked = {"load.tip": "blocked", "ask.quantities": ["tip_force_n"], "load.pressure_kpa": BLOCKED_KPA}
         found.append(_variant("blocked", base, "blocked", "tip blocked", blocked))
         found += [

@@ -28,7 +28,7 @@ from studies.results import write_text_atomically
 from studies.rows import Row, read_rows, write_rows
 from studies.run_log import finished_run
 from studies.runs import run_axisymmetric, run_body, run_hash
-from studies.scene import Scene, in_hexahedra, load_scene
+from studies.scene import Scene, load_scene
 from studies.session import SCENE_FILE, SceneResult, read_scene_folder, run_plan
 
 SCENES = provenance.ROOT / "scenes"
@@ -92,7 +92,7 @@ def _run_bodies(place: Path, case: Case, scene: Scene, comm: MPI.Comm, progress:
             base = place / f"axisymmetric-r{level.meridian}"
             run_body(scene, "full3d", level, base, place / f"full3d-{level.name}", comm, progress, ())
         else:
-            sectors = SECTOR_LEVELS if in_hexahedra(scene) else ()
+            sectors = SECTOR_LEVELS if case.group == "core" else ()
             plan = make_plan(scene, "full3d", sectors=sectors)
             run_plan(scene, case_text(case, SCENES), plan, place, comm, progress)
     except (GeometryError, MeshError, SolverError) as error:

@@ -28,7 +28,7 @@ from studies.paper_numbers import (
 from studies.paper_results import CaseResult, PaperResults
 from studies.rows import Row
 from studies.run_log import Run
-from studies.tables import MISSING, TIP_FORCE, Table, count, difference_percent, short_time, value_text
+from studies.tables import MISSING, TIP_FORCE, Table, count, difference_percent, model_label, short_time, value_text
 
 REFERENCE_RING: Final = "ring-pla"
 
@@ -214,23 +214,38 @@ def _where(found: Row | None, thrust: Row | None, held: Row | None) -> str:
 
 
 def beyond(results: PaperResults) -> Table:
-    """How far every mesh comes when asked for 30 kPa, why it ends, and where it is unstable first."""
+    """How far every mesh comes when asked for 30 kPa, why it ends, where it is unstable first, and what comes close."""
     lines = []
     for case in results.of("beyond"):
-        for run in case.result.axisymmetric:
-            asked = case.result.scene.load.pressure_kpa[-1]
+        for run in (*case.result.axisymmetric, *case.result.full3d):
             lines.append(
                 (
                     case.case.base,
-                    run.summary.level,
-                    f"{asked:g}",
+                    model_label(run.summary.rung, run.summary.level),
                     f"{last_kpa(run):.4g}",
                     run.summary.reason or "all asked pressures reached",
                     unstable(run),
+                    _closest(run),
                 )
             )
-    header = ("actuator", "mesh", "asked for, kPa", "reached, kPa", "end", "unstable modes on the way")
-    return Table(header, tuple(lines), left=(0, 1, 4, 5))
+    header = (
+        "actuator",
+        "model and mesh",
+        "reached, kPa",
+        "end",
+        "unstable modes on the way",
+        "smallest gap, mm (at kPa)",
+    )
+    return Table(header, tuple(lines), left=(0, 1, 3, 4))
+
+
+def _closest(run: Run) -> str:
+    """Smallest distance between folds, or of the wall to a ring beside its seat, on the way: nothing touches above 0."""
+    known = [state for state in run.path if math.isfinite(state.min_gap_mm)]
+    if not known:
+        return MISSING
+    least = min(known, key=lambda state: state.min_gap_mm)
+    return f"{least.min_gap_mm:.2f} ({least.pressure_kpa:.3g})"
 
 
 def unstable(run: Run) -> str:

@@ -92,7 +92,7 @@ def test_elements_of_a_constant_pressure_and_of_none(write, whole, element, kapp
 def test_constant_pressures_in_3d(write, whole) -> None:
     scene = write("p0", more='\n[mesh]\nelement = "tet-p0"\n')
     row, summary, _ = solve(scene, "full3d")
-    assert summary.level == "n12"
+    assert summary.level == "n12r2"  # the coarsest meridian would be 1.7 % too soft
     # as on the meridian, with the circumference's error on top: 12 cells round
     assert row.tip_mm == pytest.approx(whole[0].tip_mm, rel=0.03)
 
