@@ -121,8 +121,8 @@ def _bonds(results: PaperResults) -> str:
     bonded = sum(": bonded" in sentence for sentence in sentences)
     changed = sum(": model change" in sentence for sentence in sentences)
     return (
-        f"Of {len(sentences)} softer bonds {bonded} change the tip by at most {paper_bond_tables.BONDED_PERCENT:g} % and "
-        f"count as bonded, {changed} are a change of model; the report's own bond is rigid."
+        f"Of {len(sentences)} softer bonds {bonded} change the tip by at most {paper_bond_tables.BONDED_PERCENT:g} % "
+        f"and count as bonded, {changed} are a change of model; the report's own bond is rigid."
     )
 
 
