@@ -240,7 +240,7 @@ def beyond(results: PaperResults) -> Table:
 
 
 def _closest(run: Run) -> str:
-    """Smallest distance between folds, or of the wall to a ring beside its seat, on the way: nothing touches above 0."""
+    """Smallest distance between folds, or of the wall to a ring beside its seat; above 0 nothing touches."""
     known = [state for state in run.path if math.isfinite(state.min_gap_mm)]
     if not known:
         return MISSING
