@@ -95,7 +95,7 @@ def _run_bodies(place: Path, case: Case, scene: Scene, comm: MPI.Comm, progress:
         else:
             sectors = SECTOR_LEVELS if case.group == "core" else ()
             plan = make_plan(scene, "full3d", sectors=sectors)
-            if case.group == "tets":  # beside the hexahedra, which are the answer; a finer one takes 10 GB
+            if case.group != "core":  # beside those, for other elements or a count of modes; finer takes up to 10 GB
                 plan = dataclasses.replace(plan, body_levels=BODY_LEVELS[:1])
             run_plan(scene, case_text(case, SCENES), plan, place, comm, progress)
     except (GeometryError, MeshError, SolverError) as error:
