@@ -11,8 +11,8 @@ from studies.__main__ import main
 from studies.results import read_path, read_summary
 
 ROOT = Path(__file__).resolve().parents[2]
-# Axisymmetric tips at 20 kPa on level r4, where triangles and quadrilaterals agree to 0.01 mm.
-CONVERGED_MM = {"heung-t2-ri5": 74.43, "heung-t1-ri5": 154.95}
+# Axisymmetric tips at 20 kPa on level r4, where triangles and quadrilaterals agree to 0.02 mm.
+CONVERGED_MM = {"heung-t2-ri5": 74.21, "heung-t1-ri5": 149.68}
 
 
 @pytest.mark.slow
@@ -23,7 +23,7 @@ def test_hexahedra_are_within_one_percent(name: str, tmp_path: Path) -> None:
     result = CliRunner().invoke(main, ["solve", str(scene), "--out", str(out), "--rung", "full3d"])
     assert result.exit_code == 0, result.output
     rows, summary = read_path(out), read_summary(out)
-    # asked 1 %; measured 0.36 and 0.27 %
+    # asked 1 %; measured 0.31 and 0.39 %
     assert rows[-1].tip_mm == pytest.approx(CONVERGED_MM[name], rel=0.01)
     assert all(row.unstable_modes == 0 for row in rows)
     asked = [row for row in rows if row.status == "asked"]
