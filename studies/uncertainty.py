@@ -2,7 +2,9 @@
 
 The error of a quantity is taken as ``C h^q``. Three meshes give q and the limit; the uncertainty is 1.25 times
 the distance to the limit, or 3 times it with the nominal order where the three values are not monotone or their
-order is off by half (Roache, J. Fluids Eng. 1994, doi 10.1115/1.2910291).
+order is off by half (Roache, J. Fluids Eng. 1994, doi 10.1115/1.2910291). Values that are not monotone may be near each
+other by accident, so then it is their range at least (after Eça and Hoekstra, J. Comput. Phys. 2014, doi
+10.1016/j.jcp.2014.01.006, who take three times it).
 """
 
 from __future__ import annotations
@@ -26,15 +28,19 @@ class Convergence:
         Order used: the observed one, or the nominal one in doubt.
     safety
         1.25, or 3 in doubt.
+    least
+        The uncertainty is not less than this, in the unit of the values.
     """
 
     limit: float
     order: float
     safety: float
+    least: float = 0.0
 
     def uncertainty(self, value: float) -> float:
         """Uncertainty of a value on one of the meshes, in its unit."""
-        return self.safety * abs(value - self.limit)
+        found = self.safety * abs(value - self.limit)
+        return self.least if found < self.least else found
 
 
 def convergence(sizes: Sequence[float], values: Sequence[float], nominal_order: float) -> Convergence:
@@ -69,7 +75,9 @@ def convergence(sizes: Sequence[float], values: Sequence[float], nominal_order: 
                 middle = 0.5 * (low + high)
                 low, high = (middle, high) if ratio(middle) < wanted else (low, middle)
             return Convergence(limit(low), low, SAFETY)
-    return Convergence(limit(nominal_order), nominal_order, SAFETY_IN_DOUBT)
+    monotone = min(f1, f3) <= f2 <= max(f1, f3)
+    least = 0.0 if monotone else max(values) - min(values)
+    return Convergence(limit(nominal_order), nominal_order, SAFETY_IN_DOUBT, least)
 
 
 def from_two(sizes: Sequence[float], values: Sequence[float], nominal_order: float) -> Convergence:
