@@ -1,0 +1,24 @@
+"""The uncertainty of two meshes does not fall for their agreeing by accident."""
+
+from __future__ import annotations
+
+import pytest
+
+from studies.compare import MERIDIAN_ORDER, tip_convergence
+from tests.studies.paper_demo import make_run, scene_of
+
+FIRST = "heung-t1-ri5"
+
+
+def test_two_meshes_whose_tips_cross_keep_the_largest_difference_of_the_way() -> None:
+    scene = scene_of("core", FIRST)
+    # coarse against fine, relative: +0.3 %, then equal by accident, then -0.2 and -0.4 %
+    off = {5.0: 0.003, 10.0: 0.0, 15.0: -0.002, 20.0: -0.004}
+    runs = [
+        make_run(scene, "axisymmetric", level, lambda level, p: 5.0 * p * (1.0 + (off[p] if level == "r1" else 0.0)))
+        for level in ("r1", "r2", "r4")
+    ]
+    assert tip_convergence(runs[:2], 10.0, MERIDIAN_ORDER).uncertainty(50.0) == pytest.approx(0.004 * 50.0)
+    # nominal order 2, ratio 2: a third of the difference, three times
+    assert tip_convergence(runs[:2], 20.0, MERIDIAN_ORDER).uncertainty(100.0) == pytest.approx(0.004 * 100.0)
+    assert tip_convergence(runs, 10.0, MERIDIAN_ORDER).uncertainty(50.0) == 0.0  # three meshes speak for themselves
