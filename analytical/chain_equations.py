@@ -7,6 +7,7 @@ Units: mm, N, MPa.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -167,6 +168,12 @@ def _gauss(half: float) -> tuple[FloatArray, FloatArray]:
     rate = math.log(ellipse + math.sqrt(1.0 + ellipse**2))
     # error of n points: exp(-2 n rate); one more for the constant
     count = 1 + math.ceil(-math.log(np.finfo(float).eps) / (2.0 * rate))
+    return _rule(count)
+
+
+@functools.cache
+def _rule(count: int) -> tuple[FloatArray, FloatArray]:
+    """Nodes and weights of so many points; kept, since finding them takes longer than using them once."""
     return np.polynomial.legendre.leggauss(count)
 
 

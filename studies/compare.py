@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -244,6 +245,12 @@ def _closed_form_value(
         return float(held_tip(dimensions, law, pressure_kpa).tip_force_n[0]), REACHED
     if scene.load.tip_force_n:
         raise BellowsError("it has no force on its tip")
+    return _elongation(chain, dimensions, law, pressure_kpa)
+
+
+@functools.cache
+def _elongation(chain: Chain, dimensions: BellowsDimensions, law: Law, pressure_kpa: float) -> tuple[float, str]:
+    """A chain's elongation, mm, and its state; kept, for a study's variants and audits ask for the same again."""
     answer = chain(dimensions, law, pressure_kpa)
     return float(answer.elongation_mm[0]), FOLDED_BACK if answer.state[0] == "past the model" else REACHED
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from studies import meridian_pictures, paper_plots, pictures, session
+from studies import meridian_pictures, paper_plots, pictures, plots, session
 from studies.drawn import key_of, once
 from studies.meridian_pictures import RootPanel, draw_root_fields, root_panel
 from studies.paper_cases import REFERENCE_SCENES
@@ -43,8 +43,11 @@ def draw_all(folder: Path, results: PaperResults) -> dict[str, str]:
     """
     (folder / "pictures").mkdir(parents=True, exist_ok=True)
     found = {}
+    hashes = [run.summary.content_hash for case in results.cases for run in case.result.axisymmetric]
+    key = key_of(results.rows, hashes, code=[paper_plots, plots])
     for name, plot in _PLOTS.items():
-        found[name] = _drawn(folder, name, lambda path, plot=plot: plot(path, results))  # type: ignore[misc]
+        address = f"pictures/{name}.png"
+        found[name] = once(folder / address, key, lambda a=address, p=plot: p(folder / a, results)) or address  # type: ignore[misc]
     found["roots"] = _drawn(folder, "roots", lambda path: _draw_roots(path, results))
     for name in REFERENCE_SCENES:
         stills = _stills(named(results, name))
