@@ -90,6 +90,7 @@ def _content(
         "stretches": paper_variant_tables.stretches(results),
         "blocked": paper_variant_tables.blocked(results),
         "by_model": paper_time_tables.by_model(results, wall_s),
+        "core_wall": duration(paper_time_tables.core_seconds(results)),
         "split": paper_time_tables.split(results),
         "work": paper_time_tables.work(results),
         "levels": [(case.case.name, tables.convergence(_report_of(case))) for case in results.of("core", "tets")],

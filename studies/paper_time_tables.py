@@ -79,3 +79,13 @@ def _finest_runs(results: PaperResults) -> dict[str, RunSummary]:
 
 def _seconds(value: float) -> str:
     return short_time(value) if math.isfinite(value) else MISSING
+
+
+def core_seconds(results: PaperResults) -> float:
+    """Seconds of all runs of the four actuators without the variants, one after the other."""
+    runs = [
+        run
+        for case in results.of("core")
+        for run in (*case.result.axisymmetric, *case.result.sector, *case.result.full3d)
+    ]
+    return sum(run.summary.time_s["total"] for run in runs)
