@@ -1,0 +1,76 @@
+"""Cases of the paper study: each content run once, nothing again, after a change only what depends on it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from mpi4py import MPI
+
+from studies import paper_study
+from studies.paper_cases import Case, audit_cases, case_text, cases
+from studies.progress import Progress
+from studies.results import SUMMARY_FILE
+from studies.scene import load_scene
+
+SMALL = "smoke-t2-ri5"
+LOW = {"load.pressure_kpa": [2.0], "ask.fields": False}
+
+
+def small(name: str, **changes: object) -> Case:
+    keys = {key.replace("__", "."): value for key, value in changes.items()}
+    return Case("core", name, SMALL, name, {**LOW, **keys}, levels=(1,))
+
+
+def run(folder: Path, *chosen: Case) -> dict[str, float]:
+    """Run cases; when the summary of each was written."""
+    assert paper_study.run_cases(folder, chosen, MPI.COMM_SELF, Progress(MPI.COMM_SELF)) == []
+    return {c.name: (folder / c.place / "axisymmetric-r1" / SUMMARY_FILE).stat().st_mtime_ns for c in chosen}
+
+
+def test_after_a_change_only_what_depends_on_it_is_run(tmp_path: Path) -> None:
+    one, other = small("one"), small("other", geometry__wall_mm=1.9)
+    first = run(tmp_path, one, other)
+    assert run(tmp_path, one, other) == first
+    again = run(tmp_path, one, small("other", geometry__wall_mm=1.8))
+    assert again["one"] == first["one"]
+    assert again["other"] > first["other"]
+    found = paper_study.read_results(tmp_path, (one, other))
+    assert [len(case.result.axisymmetric) for case in found.cases] == [1, 1]
+    # a run that was there before the scene changed is no result of it
+    paper_study.write_scenes(tmp_path, (other,))
+    assert paper_study.read_results(tmp_path, (other,)).cases[0].result.axisymmetric == ()
+
+
+def test_equal_content_is_run_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    done = []
+    actual = paper_study.run_axisymmetric
+
+    def counted(scene, *args):
+        done.append(scene.name)
+        return actual(scene, *args)
+
+    monkeypatch.setattr(paper_study, "run_axisymmetric", counted)
+    run(tmp_path, small("one"), small("same"))
+    assert done == ["one"]
+    for case in paper_study.read_results(tmp_path, (small("one"), small("same"))).cases:
+        (row,) = [r for r in case.rows if r.quantity == "tip_mm" and r.rung == "axisymmetric"]
+        assert row.scene == case.case.name
+        assert row.value > 0.0
+        assert any(r.quantity == "root_stretch_outer" for r in case.measured)
+
+
+@pytest.mark.parametrize("case", (*cases(), *audit_cases()), ids=lambda case: str(case.place))
+def test_every_case_is_a_scene_that_is_accepted(tmp_path: Path, case: Case) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(case_text(case, paper_study.SCENES), encoding="utf-8")
+    scene = load_scene(path)
+    assert scene.name == case.name
+    for key, value in case.changes.items():
+        at = scene.model_dump()
+        for part in key.split("."):
+            at = at[part]
+        if isinstance(value, dict):
+            assert value.items() <= at.items()
+        else:
+            assert at == value
