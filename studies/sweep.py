@@ -212,15 +212,18 @@ def _answers(variants: Sequence[Variant], folder: Path, comm: MPI.Comm) -> Itera
     if comm.size == 1:
         yield from ((variant, _answer(variant, folder)) for variant in waiting)
         return
+    assert isinstance(comm, MPI.Intracomm)
     with MPICommExecutor(comm, root=0) as pool:
         if pool is None:
             return
+        # Solving here calls MPI beside the pool's own thread, which not every MPI allows.
+        takes_part = MPI.Query_thread() == MPI.THREAD_MULTIPLE
         away: dict[Future[_Answer], Variant] = {}
         while waiting or away:
             while waiting and len(away) < _AHEAD * (comm.size - 1):
                 variant = waiting.popleft()
                 away[pool.submit(_answer, variant, folder)] = variant
-            if waiting:  # the others are busy: this rank takes part
+            if waiting and takes_part:
                 variant = waiting.popleft()
                 yield variant, _answer(variant, folder)
             else:
