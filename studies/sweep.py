@@ -32,7 +32,7 @@ from studies.plan import make_plan
 from studies.progress import Progress
 from studies.results import write_text_atomically
 from studies.rows import REACHED, Row
-from studies.run_log import Run
+from studies.run_log import Run, finished_run
 from studies.scene import Scene, dimensions_of, law_of
 from studies.sections import SceneError
 from studies.session import run_plan
@@ -249,8 +249,14 @@ def _answer(variant: Variant, folder: Path) -> _Answer:
     except (GeometryError, MeshError, SolverError, BellowsError) as error:
         reason = FAILED + " ".join(str(error).split())
         return _Answer(_rows(variant, scene, scene_rows(scene, ()), None, reason), 0.0)
-    seconds = sum(run.summary.time_s["total"] for run in result.axisymmetric)
-    return _Answer(_rows(variant, scene, result.rows, result.answer), seconds)
+    # As the files have them, so that the table is the same to the last digit when nothing is left to solve.
+    kept = [
+        finished_run(folder / variant.name / f"axisymmetric-{run.summary.level}", run.summary.content_hash)
+        for run in result.axisymmetric
+    ]
+    runs = [run for run in kept if run is not None]
+    seconds = sum(run.summary.time_s["total"] for run in runs)
+    return _Answer(_rows(variant, scene, scene_rows(scene, runs), runs[-1]), seconds)
 
 
 # --- the table ------------------------------------------------------------------------------
