@@ -104,7 +104,7 @@ def _draw_panel(axes: Any, panel: MapPanel, colours: Any, norm: Any, percent: bo
         axes.text(
             panel.roots_mm[column],
             panel.walls_mm[row],
-            _shown(value) if percent else f"{value:.0f}",
+            _shown(float(value)) if percent else f"{value:.0f}",
             ha="center",
             va="center",
             fontsize=8,

@@ -15,6 +15,7 @@ import sys
 import time
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from mpi4py import MPI
@@ -211,7 +212,7 @@ def test_scenes_that_fail_or_stop_are_rows_with_their_reasons(done, monkeypatch,
         rows = scene_rows(scene, runs)
         if (scene.geometry.root_radius_mm, scene.geometry.wall_mm) != (5.0, 2.0):
             return rows
-        why = {"value": math.nan, "uncertainty": math.nan, "status": "stopped at 3.00 kPa: limit point"}
+        why: dict[str, Any] = {"value": math.nan, "uncertainty": math.nan, "status": "stopped at 3.00 kPa: limit point"}
         at_5 = [(r.rung, r.pressure_kpa) == ("axisymmetric", 5.0) for r in rows]
         return [dataclasses.replace(r, **why) if hit else r for r, hit in zip(rows, at_5, strict=True)]
 
@@ -236,7 +237,7 @@ def start(file: Path, out: Path, ranks: int = 1) -> subprocess.Popen:
     environment |= {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
     command = [sys.executable, str(SCRIPT), str(file), str(out)]
     command = ["mpirun", "-n", str(ranks), *command] if ranks > 1 else command
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     return subprocess.Popen(command, cwd=ROOT, env=environment, **pipes)
 
 
@@ -325,7 +326,7 @@ def report(tmp_path_factory) -> SimpleNamespace:
     """The report of a made-up sweep: finite elements are 1.25 times the free-pitch chain, one design is refused."""
     folder = tmp_path_factory.mktemp("report")
     laws = [{"law": "yeoh"}, {"law": "ogden"}]
-    rows = []
+    rows: list[SweepRow] = []
     grid = itertools.product(laws, (4.0, 5.0), (0.5, 1.0), (4, 8))
     for law, root, wall, n in grid:
         values = {"material": law, ROOT_KEY: root, WALL_KEY: wall, COUNT_KEY: n}
@@ -334,10 +335,20 @@ def report(tmp_path_factory) -> SimpleNamespace:
             continue
         for pressure in (5.0, 10.0):
             tip = 0.1 * n * pressure / wall
-            chains = {"closed_form": tip * (0.95 if wall == 0.5 else 0.6), "closed_form_balanced": 0.5 * tip}
+            chains: dict[str, Any] = {
+                "closed_form": tip * (0.95 if wall == 0.5 else 0.6),
+                "closed_form_balanced": 0.5 * tip,
+            }
             chains["closed_form_seat"] = tip / 1.25
-            percents = {f"{name}_percent": 100.0 * (value / tip - 1.0) for name, value in chains.items()}
-            known = {"axisymmetric": tip, "uncertainty": 0.003 * tip, "level": "r2", "unstable_modes": 0.0}
+            percents: dict[str, Any] = {
+                f"{name}_percent": 100.0 * (value / tip - 1.0) for name, value in chains.items()
+            }
+            known: dict[str, Any] = {
+                "axisymmetric": tip,
+                "uncertainty": 0.003 * tip,
+                "level": "r2",
+                "unstable_modes": 0.0,
+            }
             known["unfolding_kpa"] = 7.5
             rows.append(SweepRow(f"s{len(rows)}", values, pressure, "tip_mm", "mm", **known, **chains, **percents))
     write_table(folder / "sweep.csv", rows)
