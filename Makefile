@@ -6,7 +6,8 @@ SHELL := /bin/bash
 PYTHON := .venv/bin/python
 MPIRUN ?= /usr/bin/mpirun
 SCENES ?= $(wildcard scenes/*.toml)
-EXAMPLES ?= paper exact closed-form dimensions
+SWEEP ?= sweeps/heung-map.toml
+EXAMPLES ?= paper exact closed-form dimensions sweep
 
 # --- ranks and threads ----------------------------------------------------------------------
 # One rank: BLAS may use all cores. Several ranks: one thread each, or they fight for the cores. Two ranks
@@ -101,6 +102,14 @@ study-core: check ## the four actuators without the variants -> results/paper
 study-paper-audit: check ## the same, and finer meshes that must lie within its uncertainties -> results/paper
 	$(LAUNCH) -m studies paper --audit --out results/paper
 
+.PHONY: study-sweep
+study-sweep: check ## elongation over R_i, t and n; where the closed form misleads a designer -> results/sweep
+	$(LAUNCH) -m studies sweep-study --out results/sweep
+
+.PHONY: sweep
+sweep: check ## run all scenes of SWEEP, a sweep file -> results/sweeps/NAME
+	$(LAUNCH) -m studies sweep $(SWEEP) --out results/sweeps/$(basename $(notdir $(SWEEP)))
+
 .PHONY: study-smoke
 study-smoke: check ## two convolutions by every model, in a minute -> results/study-smoke
 	$(LAUNCH) -m studies smoke --out results/study-smoke
@@ -138,7 +147,7 @@ example: ## keep the reports of EXAMPLES (default: all) from results in docs; fi
 	for study in $(EXAMPLES); do \
 		[ -e results/$$study/report.md ] || continue; \
 		rm -rf docs/$$study; mkdir -p docs/$$study; \
-		for part in report.md rows.csv members.csv pictures paths; do \
+		for part in report.md rows.csv members.csv sweep.csv pictures paths; do \
 			[ ! -e results/$$study/$$part ] || cp -r results/$$study/$$part docs/$$study/; \
 		done; \
 		sed -i '/\.vtu)$$/d' docs/$$study/report.md; \

@@ -29,6 +29,8 @@ from studies import (
     provenance,
     session,
     solver_benchmark,
+    sweep,
+    sweep_study,
 )
 from studies.exact_report import render_exact
 from studies.exact_scene import AnyScene, is_exact, load_any_scene
@@ -213,6 +215,35 @@ def paper(out: Path, core: bool, audit: bool) -> None:
         code = STOPPED if faults or stopped else 0
         click.echo(f"report: {report}")
     sys.exit(comm.bcast(code))
+
+
+@main.command("sweep")
+@click.argument("file", type=click.Path(path_type=Path))
+@OUT_OPTION
+def sweep_command(file: Path, out: Path) -> None:
+    """Solve all scenes of a sweep FILE, shared out over the ranks, into one table, sweep.csv.
+
+    Finished scenes are not repeated. Combinations that are no valid scene stay in the table with the reason.
+    """
+    _writable(out)
+    try:
+        outcome = sweep.run_sweep(file, out, MPI.COMM_WORLD, Progress(MPI.COMM_WORLD))
+    except SceneError as error:
+        if MPI.COMM_WORLD.rank == 0:
+            click.echo(str(error), err=True)
+        sys.exit(BAD_INPUT)
+    _out(f"table: {out / 'sweep.csv'}")
+    sys.exit(0 if outcome.reached else STOPPED)
+
+
+@main.command("sweep-study")
+@OUT_OPTION
+def sweep_study_command(out: Path) -> None:
+    """Map the elongation over root radius, wall and convolutions; where the closed form misleads; the report."""
+    _writable(out)
+    outcome = sweep_study.write_sweep_study(out, MPI.COMM_WORLD)
+    _out(f"report: {out / 'report.html'}")
+    sys.exit(0 if outcome.reached else STOPPED)
 
 
 @main.command()

@@ -7,11 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-import tomlkit
-
 from analytical.paper import ALTERNATE_FAMILIES, REFERENCE_FAMILY, actuators
 from studies.levels import BodyLevel
 from studies.plan import MERIDIAN_LEVELS
+from studies.scene_text import changed_text
 
 Group = Literal["core", "tets", "alternates", "beyond", "convention", "silicone", "blocked", "rings", "bond", "audit"]
 
@@ -165,12 +164,4 @@ def case_text(case: Case, scenes: Path) -> str:
     text = (scenes / f"{case.base}.toml").read_text(encoding="utf-8")
     if case.name == case.base and not case.changes:
         return text
-    document = tomlkit.parse(text)
-    document["name"] = case.name
-    for key, value in case.changes.items():
-        *tables, last = key.split(".")
-        table: Any = document
-        for name in tables:
-            table = table[name]
-        table[last] = value
-    return tomlkit.dumps(document)
+    return changed_text(text, case.name, case.changes)
