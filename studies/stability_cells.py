@@ -103,7 +103,8 @@ class Cell:
     body
         What is solved.
     load_kpa
-        Asked pressure in the cavity; negative is a vacuum.
+        Asked pressure in the cavity; negative is a vacuum. Round bodies, which are incompressible then, take that as a
+        pressure from outside: the state is the same.
     control
         As in a scene.
     leap
@@ -155,7 +156,7 @@ AXES = (
     Axis("vacuum", "Vacuum and wall", "body, wall mm", "vacuum, kPa"),
     Axis("alpha", "Ogden's exponent and pressure", "body and α", "pressure over µ"),
     Axis("contrast", "Stiffness of the rings and wall", "wall, mm", "Young's modulus of the rings over the silicone's"),
-    Axis("edge", "Edges of rings and bonds", "edge", "meridian level"),
+    Axis("edge", "Edges of rings and bonds", "edge and meridian level", "ring's edge radius or bond's grading, mm"),
     Axis("ranks", "Ranks and threads", "body and cells", "ranks × threads"),
     Axis("tolerance", "Tolerance of Newton's method", "body and cells", "relative tolerance"),
     Axis("input", "Input that must be refused", "what", "value"),
@@ -315,7 +316,7 @@ def _edge() -> list[Cell]:
     out = []
     for level in (1, 2, 3):
         for edge in (0.0, 0.1, 0.25, 0.5, 1.0, 2.0):
-            out.append(Cell("edge", f"ring rounded {edge:g} mm", f"r{level}", Bellows(_meshed(1.0, edge), level), 20.0))
+            out.append(Cell("edge", f"ring rounded, r{level}", f"{edge:g}", Bellows(_meshed(1.0, edge), level), 20.0))
         for grading in (0.0, 0.25, 0.5, 1.0, 2.0):
             bond = (
                 ("geometry.wall_mm", 1.0),
@@ -323,7 +324,7 @@ def _edge() -> list[Cell]:
                 ("rings.bond", "adhesive"),
                 ("rings.bond_grading_mm", grading),
             )
-            out.append(Cell("edge", f"bond graded {grading:g} mm", f"r{level}", Bellows(bond, level), 20.0))
+            out.append(Cell("edge", f"bond graded, r{level}", f"{grading:g}", Bellows(bond, level), 20.0))
     return out
 
 
@@ -378,7 +379,5 @@ def controls() -> tuple[tuple[Cell, Cell], ...]:
             bare = Bellows((("geometry.wall_mm", wall), ("rings.model", "none")))
             sound.append(Cell("control", f"bellows without rings, wall {wall:g} mm", f"{kpa:g} kPa", bare, kpa,
                               flaw="raw energy"))  # fmt: skip
-    sound += [
-        Cell("control", name, "incompressible", body, 20.0, flaw="equal order") for name, body in BODIES
-    ]
+    sound += [Cell("control", name, "incompressible", body, 20.0, flaw="equal order") for name, body in BODIES]
     return tuple((cell, dataclasses.replace(cell, flaw="")) for cell in sound)

@@ -29,7 +29,9 @@ class TooManyPressures(Element):
     def spaces(self, cell: Any) -> Any:
         """The mixed UFL element without a check."""
         degree = self.displacement_degree
-        return ufl.MixedElement([ufl.VectorElement("Lagrange", cell, degree), ufl.FiniteElement("Lagrange", cell, degree)])
+        return ufl.MixedElement(
+            [ufl.VectorElement("Lagrange", cell, degree), ufl.FiniteElement("Lagrange", cell, degree)]
+        )
 
 
 # On triangles P1/P1, on quadrilaterals Q1/Q1.

@@ -56,7 +56,9 @@ def draw_map(
                 if square is None:
                     continue
                 letter, colour, _ = LOOKS[square.verdict]
-                axes.add_patch(Rectangle((j - 0.5, i - 0.5), 1.0, 1.0, facecolor=colour, edgecolor="white", linewidth=1.0))
+                axes.add_patch(
+                    Rectangle((j - 0.5, i - 0.5), 1.0, 1.0, facecolor=colour, edgecolor="white", linewidth=1.0)
+                )
                 text = f"{letter} {square.number}".strip()
                 axes.text(j, i, text, ha="center", va="center", fontsize=7.5, color=BLACK)
         axes.set_xlim(-0.5, len(columns) - 0.5)

@@ -7,8 +7,10 @@ import hashlib
 import inspect
 import json
 import math
+import sys
 import tempfile
 import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import ModuleType
@@ -22,22 +24,21 @@ from analytical.materials import MaterialError, StiffSolid
 from meshes.bodies import sphere_meridian, tube_meridian
 from meshes.errors import GeometryError, MeshError
 from meshes.meridian import default_resolution, meridian_mesh
-from meshes.ring import RingShape
 from meshes.solid import FACETS, REGIONS, SolidMesh
 from meshes.surface import surface_weights
 from solvers.domain import create_domain
 from solvers.elements import P2_P0
-from solvers.errors import Cause, SolverError, StepFailed
+from solvers.errors import SolverError, StepFailed
 from solvers.linear import Factor
 from solvers.newton import NewtonSettings, solve_equilibrium
 from solvers.path import follow_path
 from solvers.problem import SOFT, STIFF, Problem, Surfaces
 from solvers.records import PathSettings
 from solvers.state import State, combine, pressure_at_corners
-from studies import provenance, stability_cells, stability_controls, stability_exact, stability_meshes
+from studies import provenance, stability_controls, stability_exact, stability_meshes
 from studies.build import Tip, scene_meridian, scene_problem
 from studies.compare import MERIDIAN_ORDER
-from studies.scene import Scene, inverse_kappa, law_of, load_scene, ring_shape, shape_of
+from studies.scene import Scene, inverse_kappa, law_of, load_scene, shape_of
 from studies.sections import SceneError
 from studies.stability_cells import SCENE, Bellows, Cell, Flaw, Round
 from studies.stability_controls import problem_with
@@ -45,6 +46,7 @@ from studies.stability_exact import exact_answer
 from studies.stability_meshes import shaken, zigzag
 from studies.uncertainty import convergence, from_two
 
+Measure = Callable[[State], float]
 Verdict = Literal["right", "refusal", "stop", "wrong"]
 REFUSALS = (SceneError, GeometryError, MeshError, MaterialError, SolverError)
 
@@ -138,15 +140,16 @@ class _End:
     unstable: int = -1
 
 
-_CODE: tuple[ModuleType, ...] = (stability_cells, stability_controls, stability_exact, stability_meshes)
+# What decides outcomes beside the code that `provenance.code_hash` knows; where cells stand in maps does not.
+_CODE: tuple[ModuleType, ...] = (stability_controls, stability_exact, stability_meshes, sys.modules[__name__])
 
 
-def key_of(thing: Any) -> str:
-    """Key of a cell's or a reference's result: what is solved, and the code that solves it."""
+def key_of(thing: Cell | tuple[Bellows, tuple[float, ...]]) -> str:
+    """Key of the outcome of a cell, or of a reference with its loads: what is solved, and the code that does it."""
     if isinstance(thing, Cell):
         thing = dataclasses.replace(thing, axis="", row="", column="")
-    own = inspect.getsource(inspect.getmodule(key_of)) + "".join(inspect.getsource(m) for m in _CODE[1:])  # type: ignore[arg-type]
-    return hashlib.sha256(json.dumps([repr(thing), provenance.code_hash(), own]).encode()).hexdigest()[:24]
+    code = [provenance.code_hash(), *(inspect.getsource(module) for module in _CODE)]
+    return hashlib.sha256(json.dumps([repr(thing), *code]).encode()).hexdigest()[:24]
 
 
 # --- one cell -----------------------------------------------------------------------------------------------
@@ -299,7 +302,9 @@ def _settings(cell: Cell) -> PathSettings:
     )
 
 
-def _loads(cell: Cell, problem: Problem, loads_kpa: list[float], measure: Any, pressure_error: Any = None) -> list[_End]:
+def _loads(
+    cell: Cell, problem: Problem, loads_kpa: list[float], measure: Any, pressure_error: Any = None
+) -> list[_End]:
     """Ends of a path at ascending loads: reached, or why not."""
     factor = Factor(problem)
     if cell.load_kpa < 0.0 and isinstance(cell.body, Bellows):
@@ -327,7 +332,7 @@ def _loads(cell: Cell, problem: Problem, loads_kpa: list[float], measure: Any, p
 
 
 def _vacuum(
-    problem: Problem, factor: Factor, loads_kpa: list[float], newton: NewtonSettings, measure: Any
+    problem: Problem, factor: Factor, loads_kpa: list[float], newton: NewtonSettings, measure: Measure
 ) -> list[_End]:
     """A cavity that is evacuated: pressures below zero, which scenes do not take, by steps that are halved."""
     problem.set_state(problem.zero_state())
@@ -408,11 +413,8 @@ def _bellows_mesh(scene: Scene, body: Bellows) -> SolidMesh:
     else:
         shape = shape_of(scene)
         usual = default_resolution(shape, body.level, "quadrilaterals")
-        fine = dataclasses.replace(
-            usual, cell_mm=body.cell_mm or usual.cell_mm, through=body.through or usual.through
-        )
-        ring: RingShape | None = None
-        mesh = meridian_mesh(shape, fine, ring, "quadrilaterals")
+        fine = dataclasses.replace(usual, cell_mm=body.cell_mm or usual.cell_mm, through=body.through or usual.through)
+        mesh = meridian_mesh(shape, fine, None, "quadrilaterals")
     return shaken(mesh, body.noise, body.seed) if body.noise else mesh
 
 
@@ -435,7 +437,7 @@ def _bellows_problem(scene: Scene, body: Bellows, mesh: SolidMesh, comm: MPI.Com
 
 
 def reference_of(body: Bellows, loads_kpa: tuple[float, ...]) -> Reference:
-    """The bellows itself on meshes of three levels, at loads of one sign (negative: a vacuum); on this process alone."""
+    """The bellows itself on three meshes, at loads of one sign (negative: a vacuum); on this process alone."""
     vacuum = loads_kpa[0] < 0.0
     loads = sorted(abs(p) for p in loads_kpa)
     tips: dict[float, dict[int, float]] = {p: {} for p in loads}
@@ -488,6 +490,3 @@ def read_reference(text: str) -> Reference:
     data = json.loads(text)
     tips, spreads = ({float(k): v for k, v in data[name].items()} for name in ("tip_mm", "uncertainty_mm"))
     return Reference(tips, spreads, data["reached_kpa"])
-
-
-__all__ = ["Cause", "Outcome", "Reference", "read_outcome", "read_reference", "reference_of", "run_cell"]

@@ -12,6 +12,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final, TypeVar
 
@@ -161,7 +162,7 @@ def _by_child(folder: Path, wanted: Sequence[Cell], tasks: Sequence[Task], ranks
         return
     work = []
     for cell in missing:
-        single = _outcome(folder, _one_rank(cell), tasks)
+        single = _outcome(folder, replace(cell, ranks=1, threads=1), tasks)
         work.append((cell, _reference_for(folder, cell, tasks), single.value_mm))
     order = folder / f"ranks-{ranks}-{threads}.pickle"
     write_atomically(order, pickle.dumps(work))
@@ -170,12 +171,27 @@ def _by_child(folder: Path, wanted: Sequence[Cell], tasks: Sequence[Task], ranks
     clean |= {"OPENBLAS_NUM_THREADS": str(threads), "OMPI_MCA_rmaps_base_oversubscribe": "1"}
     clean |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
     mpirun = shutil.which(os.environ.get("MPIRUN", "mpirun"))
-    command = [mpirun or "mpirun", "-n", str(ranks), sys.executable, "-m", "studies.stability_study", str(folder), str(order)]
+    command = [
+        mpirun or "mpirun",
+        "-n",
+        str(ranks),
+        sys.executable,
+        "-m",
+        "studies.stability_study",
+        str(folder),
+        str(order),
+    ]
     why = "no mpirun was found" if mpirun is None else ""
     if not why:
         try:
             done = subprocess.run(
-                command, cwd=provenance.ROOT, env=clean, capture_output=True, text=True, timeout=CHILD_LIMIT_S, check=False
+                command,
+                cwd=provenance.ROOT,
+                env=clean,
+                capture_output=True,
+                text=True,
+                timeout=CHILD_LIMIT_S,
+                check=False,
             )
             why = "" if done.returncode == 0 else f"exit {done.returncode}: {done.stderr[-300:]}"
         except subprocess.TimeoutExpired:
@@ -185,12 +201,6 @@ def _by_child(folder: Path, wanted: Sequence[Cell], tasks: Sequence[Task], ranks
         if _kept(_file(folder, cell), read_outcome) is None:
             text = f"{ranks} ranks with {threads} threads: {why}"
             write_text_atomically(_file(folder, cell), outcome_text(Outcome("wrong", cause="crash", reason=text)))
-
-
-def _one_rank(cell: Cell) -> Cell:
-    from dataclasses import replace
-
-    return replace(cell, ranks=1, threads=1)
 
 
 def _child(folder: Path, order: Path) -> None:
