@@ -153,7 +153,8 @@ AXES = (
     Axis("zigzag", "Distorted rows of cells", "body and cells", "move, share of an edge"),
     Axis("aspect", "Aspect ratio of the cells", "body and cells", "length over thickness of a cell"),
     Axis("leap", "Load in one step", "body and control", "load, multiple of the usual"),
-    Axis("vacuum", "Vacuum and wall", "body, wall mm", "vacuum, kPa"),
+    Axis("vacuum", "Vacuum and wall, exact bodies", "body, wall mm", "vacuum, kPa"),
+    Axis("vacuum-bellows", "Vacuum and wall, bellows", "wall, mm", "vacuum, kPa"),
     Axis("alpha", "Ogden's exponent and pressure", "body and α", "pressure over µ"),
     Axis("contrast", "Stiffness of the rings and wall", "wall, mm", "Young's modulus of the rings over the silicone's"),
     Axis("edge", "Edges of rings and bonds", "edge and meridian level", "ring's edge radius or bond's grading, mm"),
@@ -279,9 +280,10 @@ def _vacuum() -> list[Cell]:
         for wall in (0.25, 0.5, 1.0, 2.0, 3.0)
         for kpa in (2.0, 5.0, 10.0, 20.0, 50.0)
     ]
-    for wall in (0.5, 1.0, 1.5, 2.0):
-        for kpa in (0.5, 1.0, 2.0, 5.0, 10.0):
-            out.append(Cell("vacuum", f"bellows, {wall:g}", f"{kpa:g}", Bellows((("geometry.wall_mm", wall),)), -kpa))
+    for wall in (0.5, 0.75, 1.0, 1.5, 2.0):
+        for kpa in (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0):
+            body = Bellows((("geometry.wall_mm", wall),), level=2)
+            out.append(Cell("vacuum-bellows", f"{wall:g}", f"{kpa:g}", body, -kpa))
     return out
 
 
@@ -298,7 +300,7 @@ def _alpha() -> list[Cell]:
 def _contrast() -> list[Cell]:
     return [
         Cell("contrast", f"{wall:g}", f"{ratio:g}", Bellows(_meshed(wall), contrast=ratio), 10.0)
-        for wall in (0.5, 1.0, 1.5, 2.0)
+        for wall in (0.75, 1.0, 1.25, 1.5, 2.0)
         for ratio in (1.0, 10.0, 1e2, 1e3, 1e4, 1e5, 1e6)
     ]
 

@@ -28,7 +28,7 @@ from meshes.solid import FACETS, REGIONS, SolidMesh
 from meshes.surface import surface_weights
 from solvers.domain import create_domain
 from solvers.elements import P2_P0
-from solvers.errors import SolverError, StepFailed
+from solvers.errors import Cause, SolverError, StepFailed
 from solvers.linear import Factor
 from solvers.newton import NewtonSettings, solve_equilibrium
 from solvers.path import follow_path
@@ -57,9 +57,9 @@ PRESSURE_TOLERANCE_PERCENT = 10.0
 # Ranks and threads may change a value by this, percent.
 SAME_PERCENT = 1e-6
 # Levels of the bellows that a cell is compared with.
-REFERENCE_LEVELS = (1, 2, 4)
-# A vacuum is brought on in so many steps, halved at most so often.
-VACUUM_STEPS, VACUUM_HALVINGS = 8, 8
+REFERENCE_LEVELS = (1, 2, 3)
+# A vacuum is brought on in steps of this share of the volume, halved at most so often.
+VACUUM_STEP, VACUUM_HALVINGS = 0.01, 8
 POISSON = 0.36  # of rings of any modulus: that of the PLA
 
 
@@ -334,41 +334,58 @@ def _loads(
 def _vacuum(
     problem: Problem, factor: Factor, loads_kpa: list[float], newton: NewtonSettings, measure: Measure
 ) -> list[_End]:
-    """A cavity that is evacuated: pressures below zero, which scenes do not take, by steps that are halved."""
+    """Ends of the path of a cavity that is evacuated, which scenes do not ask for: steps of falling volume.
+
+    The path ends where the vacuum has a largest value: what comes after is another shape of the body.
+    """
     problem.set_state(problem.zero_state())
-    here = before = problem.get_state()
+    unit = problem.volume_unit_mm3
+    here = before = (problem.get_state(), problem.cavity_volume())
+    step, iterations, rejected = VACUUM_STEP * unit, 0, 0
     ends: list[_End] = []
-    iterations = rejected = 0
-    for kpa in loads_kpa:
-        target, step = -1e-3 * kpa, -1e-3 * kpa / VACUUM_STEPS
-        least = abs(step) / 2**VACUUM_HALVINGS
-        while here.load_mpa > target * (1.0 - 1e-12):
-            load = max(target, here.load_mpa + step)
-            span = here.load_mpa - before.load_mpa
-            ahead = (load - here.load_mpa) / span if span else 0.0
-            problem.set_state(dataclasses.replace(combine([here, before], [1.0 + ahead, -ahead]), load_mpa=load))
-            try:
-                report = solve_equilibrium(problem, factor, newton, pressure_mpa=load)
-            except StepFailed as failure:
-                rejected, step = rejected + 1, 0.5 * step
-                if abs(step) < least:
-                    reached = -1e3 * here.load_mpa
-                    stop = _End(reached, cause=str(failure.cause), reason=str(failure), rejected=rejected)
-                    return ends + [stop] * (len(loads_kpa) - len(ends))
-                continue
+
+    def guess(volume: float) -> State:
+        span = here[1] - before[1]
+        ahead = (volume - here[1]) / span if span else 0.0
+        return combine([here[0], before[0]], [1.0 + ahead, -ahead])
+
+    while True:
+        reached = -1e3 * here[0].load_mpa
+        volume = here[1] - step
+        problem.set_state(guess(volume))
+        try:
+            report = solve_equilibrium(problem, factor, newton, volume_mm3=volume)
             iterations += report.iterations
-            before, here = here, problem.get_state()
-        excess = report.excess_negatives
-        ends.append(
-            _End(
-                kpa,
-                measure(here),
-                iterations=iterations,
-                rejected=rejected,
-                unstable=-1 if excess is None else excess,
+            found = (problem.get_state(), volume)
+            for kpa in loads_kpa[len(ends) :]:
+                if -1e3 * found[0].load_mpa < kpa:
+                    break
+                part = (kpa - reached) / (-1e3 * found[0].load_mpa - reached)
+                problem.set_state(combine([here[0], found[0]], [1.0 - part, part]))
+                report = solve_equilibrium(problem, factor, newton, pressure_mpa=-1e-3 * kpa)
+                if not found[1] - 1e-6 * unit <= problem.cavity_volume() <= here[1] + 1e-6 * unit:
+                    raise StepFailed("pressure control left the path")
+                iterations += report.iterations
+                excess = report.excess_negatives
+                value = measure(problem.get_state())
+                unstable = -1 if excess is None else excess
+                ends.append(_End(kpa, value, iterations=iterations, rejected=rejected, unstable=unstable))
+        except StepFailed as failure:
+            rejected, step = rejected + 1, 0.5 * step
+            if step < unit * VACUUM_STEP / 2**VACUUM_HALVINGS:
+                stop = _End(reached, cause=str(failure.cause), reason=str(failure), rejected=rejected)
+                return ends + [stop] * (len(loads_kpa) - len(ends))
+            continue
+        if len(ends) == len(loads_kpa):
+            return ends
+        if found[0].load_mpa >= here[0].load_mpa:
+            why = (
+                f"limit point of the vacuum near {reached:.4g} kPa, at {100.0 * here[1] / unit:.3g} % of the volume: "
+                "beyond it the bellows folds in by itself"
             )
-        )
-    return ends
+            stop = _End(reached, cause=str(Cause.LIMIT_POINT), reason=why, iterations=iterations, rejected=rejected)
+            return ends + [stop] * (len(loads_kpa) - len(ends))
+        before, here = here, found
 
 
 # --- bodies -------------------------------------------------------------------------------------------------
