@@ -62,7 +62,8 @@ def write_report(
         Path of report.html, and True if all demands are met.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    write_rows(folder / ROWS_FILE, [_row(r) for r in results] + [_row(r) for pair in compared for r in pair])
+    everything = [*results, *(r for pair in compared for r in pair)]
+    write_rows(folder / ROWS_FILE, (line for r in everything for line in _rows(r)))
     demands = demands_of(results, compared)
     axes = [axis for axis in AXES if any(r.cell.axis == axis.name for r in results)]
     content = {
@@ -78,7 +79,7 @@ def write_report(
         "tolerance": f"{TOLERANCE_PERCENT:g}",
         "pressure_tolerance": f"{PRESSURE_TOLERANCE_PERCENT:g}",
         "same": f"{SAME_PERCENT:g}",
-        "seconds": duration(sum(r.outcome.seconds for r in [*results, *(r for pair in compared for r in pair)])),
+        "seconds": duration(sum(r.outcome.seconds for r in everything)),
         "provenance": _provenance(),
     }
     return write_page(folder, "stability.md.j2", content), all(d.met for d in demands)
@@ -123,7 +124,8 @@ def demands_of(results: Sequence[Result], compared: Sequence[tuple[Result, Resul
 # --- rows and tables ----------------------------------------------------------------------------------------
 
 
-def _row(result: Result) -> Row:
+def _rows(result: Result) -> list[Row]:
+    """The compared value, and of a reached load the count of unstable modes."""
     cell, o = result.cell, result.outcome
     quantity = "tip_mm" if isinstance(cell.body, Bellows) else "bore_mm"
     status = {
@@ -132,18 +134,24 @@ def _row(result: Result) -> Row:
         "stop": f"stopped at {o.reached_kpa:.6g} kPa: {o.reason}",
         "wrong": f"wrong: {o.reason}",
     }[o.verdict]
-    return new_row(
-        scene=f"stability-{cell.axis}",
-        quantity=quantity,
-        unit="mm",
-        pressure_kpa=cell.load_kpa,
-        rung="axisymmetric",
-        value=o.value_mm,
-        level=cell.name,
-        reference=o.reference_mm,
-        source=o.source,
-        status=status,
-    )
+    scene, level = f"stability-{cell.axis}", f"{cell.flaw}: {cell.name}" if cell.flaw else cell.name
+    out = [
+        new_row(
+            scene,
+            quantity,
+            "mm",
+            cell.load_kpa,
+            "axisymmetric",
+            o.value_mm,
+            level,
+            reference=o.reference_mm,
+            source=o.source,
+            status=status,
+        )
+    ]
+    if o.unstable >= 0:
+        out.append(new_row(scene, "unstable_modes", "", cell.load_kpa, "axisymmetric", float(o.unstable), level))
+    return out
 
 
 def _counts(axes: Sequence[Axis], results: Sequence[Result]) -> Table:
@@ -184,9 +192,19 @@ def _section(folder: Path, axis: Axis, results: Sequence[Result]) -> dict[str, A
         "title": axis.title,
         "picture": str(place),
         "others": _others(results),
+        "unstable": _unstable(results),
         "rows": axis.rows,
         "columns": axis.columns,
     }
+
+
+def _unstable(results: Sequence[Result]) -> list[str]:
+    """Right answers in which unstable modes were counted, by row."""
+    found: dict[str, list[str]] = {}
+    for r in results:
+        if r.outcome.verdict == "right" and r.outcome.unstable > 0:
+            found.setdefault(r.cell.row, []).append(f"{r.outcome.unstable} at {r.cell.column}")
+    return [f"{row}: {', '.join(counts)}" for row, counts in found.items()]
 
 
 def _number(outcome: Outcome) -> str:

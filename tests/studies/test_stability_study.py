@@ -122,13 +122,8 @@ def test_a_study_is_reported_and_done_once(tmp_path, monkeypatch) -> None:
     assert "geometry.wall_mm = -1.0" in text
     assert (tmp_path / "pictures" / "kappa.png").exists()
     rows = read_rows(tmp_path / "rows.csv")
-    assert [r.status.split(" ")[0].rstrip(":") for r in rows[:5]] == [
-        "reached",
-        "reached",
-        "stopped",
-        "refused",
-        "reached",
-    ]
+    endings = [r.status.split(" ")[0].rstrip(":") for r in rows if r.quantity != "unstable_modes"]
+    assert endings[:5] == ["reached", "reached", "stopped", "refused", "reached"]
     ranked = read_outcome((tmp_path / "cells" / f"{key_of(some[-1])}.json").read_text(encoding="utf-8"))
     assert ranked.verdict == "right"
     assert ranked.value_mm == pytest.approx(run(cell(TUBE, 10.0)).value_mm, rel=1e-9)
