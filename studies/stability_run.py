@@ -170,6 +170,8 @@ def run_cell(cell: Cell, comm: MPI.Comm, reference: Reference | None = None, alo
     begin = time.perf_counter()
     try:
         outcome = _judged(cell, _solve(cell, comm), reference, alone_mm)
+    except StepFailed as error:  # a path has to end in one, not to break
+        outcome = Outcome("wrong", cause="crash", reason=f"{error.cause}: {error}")
     except REFUSALS as error:
         text = " ".join(str(error).split())
         outcome = Outcome("refusal", cause=type(error).__name__, reason=text)
@@ -308,7 +310,9 @@ def _loads(
     """Ends of a path at ascending loads: reached, or why not."""
     factor = Factor(problem)
     if cell.load_kpa < 0.0 and isinstance(cell.body, Bellows):
-        return _vacuum(problem, factor, loads_kpa, _settings(cell).newton, measure)
+        scene = scene_of(cell.body, loads_kpa[-1])
+        room_mm = 2.0 * scene.geometry.half_pitch_mm - scene.rings.seat_mm
+        return _vacuum(problem, factor, loads_kpa, _settings(cell).newton, measure, room_mm)
     path = follow_path(problem, factor, [1e-3 * p for p in loads_kpa], _settings(cell))
     factor.close()
     asked = [s for s in path.states if s.asked]
@@ -332,11 +336,17 @@ def _loads(
 
 
 def _vacuum(
-    problem: Problem, factor: Factor, loads_kpa: list[float], newton: NewtonSettings, measure: Measure
+    problem: Problem,
+    factor: Factor,
+    loads_kpa: list[float],
+    newton: NewtonSettings,
+    measure: Measure,
+    room_mm: float,
 ) -> list[_End]:
     """Ends of the path of a cavity that is evacuated, which scenes do not ask for: steps of falling volume.
 
-    The path ends where the vacuum has a largest value: what comes after is another shape of the body.
+    The path ends where the vacuum has a largest value, as what comes after is another shape of the body, and where
+    rings have moved together by the room between them.
     """
     problem.set_state(problem.zero_state())
     unit = problem.volume_unit_mm3
@@ -357,6 +367,11 @@ def _vacuum(
             report = solve_equilibrium(problem, factor, newton, volume_mm3=volume)
             iterations += report.iterations
             found = (problem.get_state(), volume)
+            nearest = room_mm + float(np.diff(found[0].bodies_mm[:, 0]).min())
+            if nearest <= 0.0:
+                why = f"rings touch beyond {reached:.4g} kPa, and contact is not modelled"
+                stop = _End(reached, cause="contact", reason=why, iterations=iterations, rejected=rejected)
+                return ends + [stop] * (len(loads_kpa) - len(ends))
             for kpa in loads_kpa[len(ends) :]:
                 if -1e3 * found[0].load_mpa < kpa:
                     break

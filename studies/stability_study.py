@@ -11,6 +11,7 @@ import pickle
 import shutil
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -40,6 +41,14 @@ CELLS_FOLDER: Final = "cells"
 REFERENCES_FOLDER: Final = "references"
 # A child that runs cells on other numbers of ranks or threads takes seconds; this long means it hangs.
 CHILD_LIMIT_S: Final = 600.0
+# As in the Makefile: may run as root, with more ranks than cores, not tied to a core.
+OF_MPIRUN: Final = {
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    "OMPI_MCA_hwloc_base_binding_policy": "none",
+    "OMPI_MCA_mpi_yield_when_idle": "1",
+}
 
 Kept = TypeVar("Kept")
 Task = tuple[Bellows, tuple[float, ...]]
@@ -90,21 +99,33 @@ def run_study(
     answer: tuple[Path, bool] | Exception | None = None
     if comm.rank == 0:
         try:
+            failed: dict[Cell, Outcome] = {}
             for setting in sorted({(c.ranks, c.threads) for c in every if c not in alone}):
                 quiet(f"{setting[0]} ranks with {setting[1]} threads each")
-                _by_child(folder, [c for c in every if (c.ranks, c.threads) == setting], tasks, *setting)
-            results = [Result(cell, _outcome(folder, cell, tasks)) for cell in of_product]
-            compared = [
-                (Result(a, _outcome(folder, a, tasks)), Result(b, _outcome(folder, b, tasks))) for a, b in pairs
-            ]
+                wanted = [c for c in every if (c.ranks, c.threads) == setting]
+                failed |= _by_child(folder, wanted, tasks, *setting)
+
+            def result(cell: Cell) -> Result:
+                return Result(cell, failed.get(cell) or _outcome(folder, cell, tasks))
+
+            results = [result(cell) for cell in of_product]
+            compared = [(result(a), result(b)) for a, b in pairs]
             answer = write_report(folder, results, compared)
         except Exception as error:
             answer = error
+    _wait(comm)
     answer = comm.bcast(answer)
     if isinstance(answer, Exception):
         raise answer
     assert answer is not None
     return answer
+
+
+def _wait(comm: MPI.Comm) -> None:
+    """A barrier that leaves the cores to rank 0's children."""
+    request = comm.Ibarrier()
+    while not request.Test():
+        time.sleep(0.05)
 
 
 def _references(every: Sequence[Cell]) -> list[Task]:
@@ -155,11 +176,13 @@ def _reference_for(folder: Path, cell: Cell, tasks: Sequence[Task]) -> Reference
 # --- other numbers of ranks and threads -----------------------------------------------------------------------
 
 
-def _by_child(folder: Path, wanted: Sequence[Cell], tasks: Sequence[Task], ranks: int, threads: int) -> None:
-    """Solve cells in a child of so many ranks with so many threads each; what fails there is an outcome too."""
+def _by_child(
+    folder: Path, wanted: Sequence[Cell], tasks: Sequence[Task], ranks: int, threads: int
+) -> dict[Cell, Outcome]:
+    """Solve cells in a child of so many ranks with so many threads each; outcomes of those that it did not solve."""
     missing = [cell for cell in wanted if _kept(_file(folder, cell), read_outcome) is None]
     if not missing:
-        return
+        return {}
     work = []
     for cell in missing:
         single = _outcome(folder, replace(cell, ranks=1, threads=1), tasks)
@@ -167,9 +190,8 @@ def _by_child(folder: Path, wanted: Sequence[Cell], tasks: Sequence[Task], ranks
     order = folder / f"ranks-{ranks}-{threads}.pickle"
     write_atomically(order, pickle.dumps(work))
     # A child of an MPI rank must not believe that it is one.
-    clean = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_COMM", "OMPI_UNIVERSE", "PMIX_", "PRTE_"))}
-    clean |= {"OPENBLAS_NUM_THREADS": str(threads), "OMPI_MCA_rmaps_base_oversubscribe": "1"}
-    clean |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    clean = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
+    clean |= {"OPENBLAS_NUM_THREADS": str(threads), **OF_MPIRUN}
     mpirun = shutil.which(os.environ.get("MPIRUN", "mpirun"))
     command = [
         mpirun or "mpirun",
@@ -197,10 +219,8 @@ def _by_child(folder: Path, wanted: Sequence[Cell], tasks: Sequence[Task], ranks
         except subprocess.TimeoutExpired:
             why = f"not done after {CHILD_LIMIT_S:g} s"
     order.unlink()
-    for cell, _, _ in work:
-        if _kept(_file(folder, cell), read_outcome) is None:
-            text = f"{ranks} ranks with {threads} threads: {why}"
-            write_text_atomically(_file(folder, cell), outcome_text(Outcome("wrong", cause="crash", reason=text)))
+    crash = Outcome("wrong", cause="crash", reason=f"{ranks} ranks with {threads} threads: {why}")
+    return {cell: crash for cell in missing if _kept(_file(folder, cell), read_outcome) is None}
 
 
 def _child(folder: Path, order: Path) -> None:
