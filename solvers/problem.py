@@ -34,6 +34,8 @@ SOFT, STIFF = 1, 2  # material numbers of cells
 
 # Potential and traction form of a load are one load if their work on random directions differs by less than this.
 SAME_LOAD = 1e-10
+# The cells fill what their surface encloses up to this share: the quadrature is exact for both on quadratic cells.
+SAME_SIZE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -113,6 +115,11 @@ class Problem:
     frame
         Directions of the displacement's components as columns, shape (3, 3), in 3D without bodies: with one along
         each of two oblique planes of symmetry the other component is what each of them holds. Default: x, y, z.
+
+    Raises
+    ------
+    SolverError
+        If cells of the mesh fold over or overlap: they would count twice, and every answer would be wrong.
     """
 
     def __init__(
@@ -144,6 +151,8 @@ class Problem:
         self.frame = np.eye(self.dimension) if frame is None else frame
         kin = kinematics(mesh, domain.axisymmetric, None if frame is None else fem.Constant(mesh, frame))
         dx, ds = domain.dx(degree=degree), domain.ds(degree=degree)
+        with self.timer("compile"):
+            self._refuse_overlaps()
         if stiff is None:
             measures = {"soft": ufl.dx(domain=mesh, degree=degree)}
         else:
@@ -212,6 +221,21 @@ class Problem:
         self.expected_negatives = int(
             self.comm.allreduce(int((self.owned_pressure & ~self.constrained_owned).sum()), op=MPI.SUM)
         )
+
+    def _refuse_overlaps(self) -> None:
+        """Refuse cells that fold over or overlap: by Gauss' theorem cells fill what their surface encloses."""
+        mesh, degree = self.domain.mesh, QUADRATURE_DEGREE[self.domain.cell_name]
+        x, normal = ufl.SpatialCoordinate(mesh), ufl.FacetNormal(mesh)
+        # the sizes of cells are never negative, so what is folded over is counted twice
+        one = fem.Constant(mesh, 1.0) * ufl.dx(domain=mesh, degree=degree)
+        flux = ufl.inner(x, normal) / self.dimension * ufl.ds(domain=mesh, degree=degree)
+        filled, enclosed = (compat.assemble_scalar(compat.compile_form(form), self.comm) for form in (one, flux))
+        if not abs(filled - enclosed) <= SAME_SIZE * abs(enclosed):
+            unit = f"mm^{self.dimension}"
+            raise SolverError(
+                f"cells of the mesh fold over or overlap: they fill {filled:.9g} {unit}, their surface encloses "
+                f"{enclosed:.9g}: mesh it anew, or look for a flipped cell or one with a corner beyond its neighbours"
+            )
 
     # ---- the load --------------------------------------------------------------------------------------
 

@@ -1,0 +1,42 @@
+"""Parts ten million times as stiff as the rest: their forces cancel to round-off, and that is not a failure."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from analytical.materials import DRAGON_SKIN_10, StiffSolid
+from meshes.bodies import tube_meridian
+from meshes.solid import FACETS
+from solvers.errors import StepFailed
+from solvers.linear import Factor
+from solvers.newton import NewtonSettings, solve_equilibrium
+from solvers.problem import SOFT, STIFF, Problem
+
+
+@pytest.fixture(scope="module")
+def half_stiff(make_problem) -> Problem:
+    """A tube whose upper half is stiffer by a factor of ten million."""
+    mesh = tube_meridian(5.0, 6.0, 6.0, 12, 4)
+    upper = mesh.points[mesh.cells, 1].mean(axis=1) > 3.0
+    stiff = StiffSolid(3e7 * DRAGON_SKIN_10.initial_shear_modulus_mpa, 0.36, 1.0)
+    return make_problem(
+        mesh,
+        DRAGON_SKIN_10,
+        regions=np.where(upper, STIFF, SOFT),
+        stiff=stiff,
+        cavity=FACETS["cavity"],
+        held=((FACETS["bottom"], 1),),
+    )
+
+
+def test_a_state_that_no_increment_moves_is_converged(half_stiff: Problem) -> None:
+    factor = Factor(half_stiff)
+    half_stiff.set_state(half_stiff.zero_state())
+    report = solve_equilibrium(half_stiff, factor, NewtonSettings(), pressure_mpa=0.0001)
+    assert 1e-6 < report.residual < 1e-4
+    found = half_stiff.get_state().displacement_mm
+    half_stiff.set_state(half_stiff.zero_state())
+    with pytest.raises(StepFailed, match="no convergence"):
+        solve_equilibrium(half_stiff, factor, NewtonSettings(stalled_tolerance=1e-6), pressure_mpa=0.0001)
+    assert np.abs(half_stiff.get_state().displacement_mm - found).max() < 1e-9 * np.abs(found).max()
