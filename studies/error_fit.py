@@ -34,7 +34,7 @@ from studies.scene import Scene, load_scene, shape_of
 TOLERANCE_SCENES = provenance.ROOT / "scenes" / "tolerance"
 TRAINING, SEED = 24, 20241
 # Of these as many with three convolutions too, to see that the error does not depend on their number.
-LONGER = 4
+LONGER, LONGER_SUFFIX = 4, "-n3"
 # Finest meridian: what the others are compared with, extrapolated with the nominal order 2.
 FINEST = 8
 YEOH = {"law": "yeoh", "c_kpa": [36.0, 2.5, 0.23]}
@@ -105,7 +105,7 @@ def longer_scenes(scenes: Sequence[Scene]) -> list[Scene]:
     found = []
     for scene in scenes[:LONGER]:
         geometry = scene.geometry.model_copy(update={"convolutions": 3})
-        found.append(scene.model_copy(update={"name": f"{scene.name}-n3", "geometry": geometry}))
+        found.append(scene.model_copy(update={"name": f"{scene.name}{LONGER_SUFFIX}", "geometry": geometry}))
     return found
 
 
@@ -170,13 +170,13 @@ def sample(scene: Scene, cells: Cells, levels: Sequence[int], folder: Path, prog
 
 def all_samples(scenes: Sequence[Scene], folder: Path, comm: MPI.Comm) -> list[Sample]:
     """Samples of scenes in both cells, the quadrilaterals to the finest level; on rank 0, others get none."""
-    jobs = [(scene, cells) for cells in ("hex", "tet") for scene in scenes]
-    jobs.sort(key=lambda job: -job[0].geometry.convolutions)
+    cells: tuple[Cells, ...] = ("hex", "tet")
+    jobs = [(scene, of) for of in cells for scene in scenes]
     progress = Progress(comm)
     mine = []
-    for scene, cells in jobs[comm.rank :: comm.size]:
-        levels = (*LEVELS, FINEST) if cells == "hex" else LEVELS
-        mine.append(sample(scene, cells, levels, folder, progress))
+    for scene, of in jobs[comm.rank :: comm.size]:
+        finest = of == "hex" and not scene.name.endswith(LONGER_SUFFIX)
+        mine.append(sample(scene, of, (*LEVELS, FINEST) if finest else LEVELS, folder, progress))
     found = comm.gather(mine)
     return [s for of_rank in found for s in of_rank] if found else []
 
@@ -258,7 +258,7 @@ def main(out: Path) -> None:
         return
     write_text_atomically(out / "samples.json", json.dumps([asdict(s) for s in samples], indent=1) + "\n")
     limits = limits_of(samples)
-    trained = [s for s in samples if s.scene.startswith("train-") and not s.scene.endswith("-n3")]
+    trained = [s for s in samples if s.scene.startswith("train-") and not s.scene.endswith(LONGER_SUFFIX)]
     for cells in ("hex", "tet"):
         click.echo(f'"{cells}": {fit(trained, limits, cells)}')
     names = {scene.name for scene in checks}
