@@ -25,7 +25,17 @@ import click
 import tomlkit
 
 from studies import cost_cell, cost_cells, provenance
-from studies.cost_cells import COMPILED, SCENES, Cell, Measurement, all_cells, cell_scene, measurement, scene_file
+from studies.cost_cells import (
+    COMPILED,
+    SCENES,
+    Cell,
+    Measurement,
+    all_cells,
+    cell_scene,
+    large_cells,
+    measurement,
+    scene_file,
+)
 from studies.cost_report import FARMED_SCENE, PEER_RATIO, write_cost_report
 from studies.cost_rows import farming_rows, measured_rows
 from studies.paper_cases import REFERENCE_SCENES
@@ -254,10 +264,12 @@ def study_rows(folder: Path, cells: Sequence[Cell]) -> list[Row]:
     "--peers", default="results/peers/rows.csv", type=click.Path(path_type=Path), help="Rows of the peer study."
 )
 @click.option("--minutes", default=math.inf, help="Start no more cells after so long; the same command goes on.")
+@click.option("--large", is_flag=True, help="Also the largest bodies that fit 24 GB; they take minutes each.")
 @click.option("--body", multiple=True, help="Only cells of this scene file below scenes/, for instance exact/tube.")
-def main(out: Path, peers: Path, minutes: float, body: tuple[str, ...]) -> None:
+def main(out: Path, peers: Path, minutes: float, large: bool, body: tuple[str, ...]) -> None:
     """Measure the cost and error of every model, element, mesh and way of stepping; write rows and report."""
-    cells = [cell for cell in all_cells() if not body or cell.body in body]
+    unwanted = () if large else large_cells()
+    cells = [cell for cell in all_cells() if (not body or cell.body in body) and cell not in unwanted]
     for name in {cell.body for cell in cells}:
         if not scene_file(name).exists():
             raise click.UsageError(f"{scene_file(name)} is missing")

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -20,13 +20,25 @@ from mpi4py import MPI
 from meshes.bellows import check_shape
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
-from studies import error_model, provenance
+from studies import provenance
 from studies.build import scene_meridian
 from studies.compare import tip_at
-from studies.error_model import LEVELS, Cells, Fit, checked_error_percent, features, predicted_error_percent
+from studies.cost_rows import Point, points, power_law
+from studies.error_model import (
+    FLOOR_PERCENT,
+    LEVELS,
+    Cells,
+    Fit,
+    Seconds,
+    checked_error_percent,
+    choose,
+    features,
+    predicted_error_percent,
+    predicted_seconds,
+)
 from studies.progress import Progress
 from studies.results import write_text_atomically
-from studies.rows import Row, row, write_rows
+from studies.rows import REACHED, Row, read_rows, row, write_rows
 from studies.run_log import Run
 from studies.runs import run_axisymmetric
 from studies.scene import Scene, load_scene, shape_of
@@ -41,6 +53,10 @@ YEOH = {"law": "yeoh", "c_kpa": [36.0, 2.5, 0.23]}
 OGDEN = {"law": "ogden", "mu_kpa": 75.449, "alpha": 5.836, "convention": "2mu/alpha^2"}
 # Weight that keeps the slopes of features which the training set hardly tells apart small.
 RIDGE = 0.5
+# Share of the ratios left out at each end.
+TAIL = 0.1
+# What a prediction has to be within.
+ALLOWED_FACTOR = 3.0
 
 
 @dataclass(frozen=True)
@@ -117,7 +133,7 @@ def _scene(
     seat: float,
     fillet: float,
     pitch: float,
-    material: dict[str, object],
+    material: Mapping[str, object],
     pressures_kpa: list[float],
 ) -> Scene:
     geometry = {
@@ -189,66 +205,123 @@ def limits_of(samples: Sequence[Sample]) -> dict[str, tuple[float, ...]]:
 def fit(samples: Sequence[Sample], limits: dict[str, tuple[float, ...]], cells: Cells) -> Fit:
     """Least squares for the logarithm of the error: a constant per level and one slope per feature.
 
-    Beside it the ratio of a level's error to the difference from the level before: the median, which turns two levels
-    on a scene into an estimate.
+    Beside it the ratios that turn two levels of a scene into an estimate: of the logarithms, the middle between the
+    largest and the smallest but a tenth.
     """
-    rows, values, ratios = [], [], {level: [] for level in LEVELS}
+    rows: list[list[float]] = []
+    values: list[float] = []
+    ratios: dict[int, list[float]] = {level: [] for level in LEVELS}
     for s in samples:
         if s.cells != cells:
             continue
         for level in LEVELS:
             errors = s.errors_percent(level, limits[s.scene])
-            for k, (of_pressure, error) in enumerate(zip(s.features, errors, strict=True)):
-                if math.isnan(error):
-                    continue
+            beside = max(level // 2, 1) if level > 1 else 2
+            changes = [100.0 * abs(v / o - 1.0) for v, o in zip(s.tips_mm[level], s.tips_mm[beside], strict=True)]
+            ratios[level].append(math.log(max(FLOOR_PERCENT, *errors) / max(FLOOR_PERCENT, *changes)))
+            for of_pressure, error in zip(s.features, errors, strict=True):
                 rows.append([*(float(level == other) for other in LEVELS), *of_pressure])
-                values.append(math.log(max(error, error_model.FLOOR_PERCENT)))
-                if level > 1:
-                    change = 100.0 * abs(s.tips_mm[level][k] / s.tips_mm[level // 2][k] - 1.0)
-                    ratios[level].append(error / max(change, error_model.FLOOR_PERCENT))
-    a, b = np.array(rows), np.array(values)
-    centre = a[:, len(LEVELS) :].mean(axis=0)
-    a[:, len(LEVELS) :] -= centre
-    penalty = np.diag([0.0] * len(LEVELS) + [RIDGE] * len(centre))
+                values.append(math.log(max(error, FLOOR_PERCENT)))
+    a, b, levels = np.array(rows), np.array(values), len(LEVELS)
+    centre = a[:, levels:].mean(axis=0)
+    a[:, levels:] -= centre
+    penalty = np.diag([0.0] * levels + [RIDGE] * len(centre))
     found = np.linalg.solve(a.T @ a + penalty, a.T @ b)
-    spread = float(np.std(a @ found - b))
+    ends = {level: np.quantile(of, [TAIL, 1.0 - TAIL]) for level, of in ratios.items()}
     return Fit(
-        constants=tuple(round(float(x), 3) for x in found[: len(LEVELS)]),
-        slopes=tuple(round(float(x), 3) for x in found[len(LEVELS) :]),
-        centre=tuple(round(float(x), 3) for x in centre),
-        spread=round(spread, 3),
-        ratios=tuple(round(float(np.median(ratios[level])), 3) for level in LEVELS[1:]),
+        constants=_rounded(found[:levels]),
+        slopes=_rounded(found[levels:]),
+        centre=_rounded(centre),
+        spread=round(float(np.std(a @ found - b)), 3),
+        ratios=_rounded([math.exp(0.5 * float(sum(ends[level]))) for level in LEVELS]),
     )
 
 
+def _rounded(numbers: Sequence[float] | np.ndarray) -> tuple[float, ...]:
+    return tuple(round(float(x), 3) for x in numbers)
+
+
+def time_laws(rows: Sequence[Row]) -> dict[tuple[str, str], Seconds]:
+    """Seconds over unknowns of each model and element, from the rows of the cost study: the usual ways of stepping."""
+    found: dict[tuple[str, str], Seconds] = {}
+    groups: dict[tuple[str, str], list[Point]] = {}
+    for p in points(rows):
+        if p.is_peer or p.scene == "tube" or p.status != REACHED:
+            continue
+        element, _, way, _ = p.level.split()
+        if way in ("auto", "warm"):
+            groups.setdefault((p.rung, element), []).append(p)
+    for key, of in groups.items():
+        if len(of) >= 3:
+            law = power_law([p.unknowns for p in of], [p.work_s for p in of])
+            found[key] = Seconds(float(f"{law.factor:.3g}"), round(law.exponent, 3))
+    return found
+
+
 def check_rows(scenes: Sequence[Scene], samples: Sequence[Sample], limits: dict[str, tuple[float, ...]]) -> list[Row]:
-    """Predicted, checked (from two levels of the scene itself) and achieved errors, the largest over the pressures."""
+    """Predicted, checked (from two levels of the scene itself) and achieved errors, the largest over the pressures.
+
+    Times are predicted and achieved without start and imports; ``chosen`` marks the level that the scene's tolerance
+    chooses.
+    """
     by_name = {scene.name: scene for scene in scenes}
     rows = []
     for s in samples:
         scene = in_cells(by_name[s.scene], s.cells)
+        choice = choose(scene, "axisymmetric")
         for level in LEVELS:
-            name, rung = f"{s.cells}-r{level}", "axisymmetric"
-            achieved = max(s.errors_percent(level, limits[s.scene]))
-            predicted = predicted_error_percent(scene, rung, f"r{level}")
-            last = math.nan
-            if level > 1:
-                last = checked_error_percent(scene, level, s.tips_mm[level // 2], s.tips_mm[level])
-            source = f"hex r{FINEST}, extrapolated"
-            for quantity, value in (
-                ("achieved_error_percent", achieved),
-                ("predicted_error_percent", predicted),
-                ("checked_error_percent", last),
-            ):
-                rows.append(row(s.scene, quantity, "%", math.nan, rung, value, name, source=source))
-            rows.append(row(s.scene, "seconds", "s", math.nan, rung, s.seconds[level], name))
-            rows.append(row(s.scene, "unknowns", "1", math.nan, rung, float(s.unknowns[level]), name))
+            name = f"{s.cells} r{level}"
+            achieved = max(FLOOR_PERCENT, *s.errors_percent(level, limits[s.scene]))
+            beside = s.tips_mm[level // 2 if level > 1 else 2]
+            errors = {
+                "achieved_error_percent": achieved,
+                "predicted_error_percent": predicted_error_percent(scene, "axisymmetric", f"r{level}"),
+                "checked_error_percent": checked_error_percent(s.cells, level, s.tips_mm[level], beside),
+            }
+            for quantity, value in errors.items():
+                reference = math.nan if quantity.startswith("achieved") else achieved
+                rows.append(row(s.scene, quantity, "%", math.nan, "axisymmetric", value, name, reference=reference,
+                                source=f"hex r{FINEST}, extrapolated"))  # fmt: skip
+            seconds = predicted_seconds(scene, "axisymmetric", f"r{level}")
+            rows.append(row(s.scene, "predicted_s", "s", math.nan, "axisymmetric", seconds, name,
+                            reference=s.seconds[level], source="this run"))  # fmt: skip
+            if choice.level == f"r{level}":
+                tolerance = scene.ask.tolerance_percent
+                rows.append(row(s.scene, "chosen", "%", math.nan, "axisymmetric", tolerance, name))
     return rows
+
+
+def factors(rows: Sequence[Row], quantity: str, cells: Cells) -> dict[tuple[str, str], float]:
+    """Predicted over achieved, or the reverse where that is larger, by scene and level."""
+    of = [r for r in rows if r.quantity == quantity and r.level.startswith(cells)]
+    return {(r.scene, r.level): max(r.value / r.reference, r.reference / r.value) for r in of}
+
+
+def summary(rows: Sequence[Row]) -> list[str]:
+    """How well the check scenes were predicted, a line per kind of cells and prediction."""
+    lines = []
+    kinds: tuple[Cells, ...] = ("hex", "tet")
+    chosen = {(r.scene, r.level) for r in rows if r.quantity == "chosen"}
+    for cells in kinds:
+        for quantity in ("predicted_error_percent", "checked_error_percent", "predicted_s"):
+            found = factors(rows, quantity, cells)
+            of_chosen = [f for key, f in found.items() if key in chosen]
+            within = sum(f <= ALLOWED_FACTOR for f in of_chosen)
+            every = sum(f <= ALLOWED_FACTOR for f in found.values())
+            lines.append(
+                f"{cells} {quantity}: chosen level within a factor of {ALLOWED_FACTOR:g} on {within} of "
+                f"{len(of_chosen)} scenes (worst {max(of_chosen, default=math.nan):.2f}); all levels {every} of "
+                f"{len(found)} (worst {max(found.values(), default=math.nan):.2f})"
+            )
+    return lines
 
 
 @click.command()
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder for runs, samples and rows.")
-def main(out: Path) -> None:
+@click.option(
+    "--cost", default="results/cost/rows.csv", type=click.Path(path_type=Path), help="Rows of the cost study."
+)
+def main(out: Path, cost: Path) -> None:
     """Fit the error model anew and check it on the scenes of scenes/tolerance."""
     comm = MPI.COMM_WORLD
     training = training_scenes()
@@ -259,11 +332,15 @@ def main(out: Path) -> None:
     write_text_atomically(out / "samples.json", json.dumps([asdict(s) for s in samples], indent=1) + "\n")
     limits = limits_of(samples)
     trained = [s for s in samples if s.scene.startswith("train-") and not s.scene.endswith(LONGER_SUFFIX)]
-    for cells in ("hex", "tet"):
-        click.echo(f'"{cells}": {fit(trained, limits, cells)}')
+    kinds: tuple[Cells, ...] = ("hex", "tet")
+    for cells in kinds:
+        click.echo(f'FITS "{cells}": {fit(trained, limits, cells)}')
+    for key, law in time_laws(read_rows(cost) if cost.exists() else []).items():
+        click.echo(f"SECONDS {key}: {law}")
     names = {scene.name for scene in checks}
-    write_rows(out / "rows.csv", check_rows(checks, [s for s in samples if s.scene in names], limits))
-    click.echo(f"rows: {out / 'rows.csv'}")
+    rows = check_rows(checks, [s for s in samples if s.scene in names], limits)
+    write_rows(out / "rows.csv", rows)
+    click.echo("\n".join([*summary(rows), f"rows: {out / 'rows.csv'}"]))
 
 
 if __name__ == "__main__":
