@@ -225,5 +225,44 @@ def choose(scene: Scene, rung: Rung) -> Choice:
     return min(within, key=lambda c: c.seconds) if within else min(found, key=lambda c: c.error_percent)
 
 
+def meridians_for(choice: Choice) -> tuple[int, int]:
+    """Meridian levels to solve: the chosen one's, and the one that checks it."""
+    return (1, 2) if own_meridian(choice) < LEVELS[-1] else (LEVELS[-2], LEVELS[-1])
+
+
+def own_meridian(choice: Choice) -> int:
+    """Meridian level of a choice, or that its body is made from."""
+    return fineness(choice.level) if choice.rung == "axisymmetric" else body_level(choice.level).meridian
+
+
+def explain(scene: Scene, choice: Choice) -> list[str]:
+    """Sentences for a terminal: what is expected of a choice, what is left out, and how long that would have taken."""
+    tolerance = scene.ask.tolerance_percent
+    held = "within" if choice.within else "the best there is for"
+    spread = math.exp(FITS[cells_of(scene)].spread)
+    lines = [
+        f"{choice.rung} {choice.level}: expected error {choice.error_percent:.2g} % (two times of three within "
+        f"a factor of {spread:.1f}), {held} {tolerance:g} %; about {_time(choice.seconds)}"
+    ]
+    solved = meridians_for(choice)
+    checks = [m for m in solved if m != own_meridian(choice)]
+    seconds = sum(predicted_seconds(scene, "axisymmetric", f"r{m}") for m in checks)
+    beside = " and ".join(f"r{m}" for m in checks)
+    lines.append(f"checked afterwards by axisymmetric {beside} of this scene: about {_time(seconds)}")
+    left: list[tuple[Rung, str]] = [("axisymmetric", f"r{m}") for m in LEVELS if m not in solved]
+    left += [(choice.rung, level) for level in candidates(scene, choice.rung) if choice.rung != "axisymmetric"]
+    left += [("full3d", choose(scene, "full3d").level)] if choice.rung == "axisymmetric" else []
+    for rung, level in left:
+        if (rung, level) == (choice.rung, choice.level):
+            continue
+        error, saved = predicted_error_percent(scene, rung, level), predicted_seconds(scene, rung, level)
+        lines.append(f"skipped {rung} {level}: expected error {error:.2g} %; saves about {_time(saved)}")
+    return lines
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds:.1f} s" if seconds < 120.0 else f"{seconds / 60.0:.1f} min"
+
+
 def _kind(scene: Scene) -> CellKind:
     return "quadrilaterals" if in_hexahedra(scene) else "triangles"

@@ -31,7 +31,9 @@ from studies.error_model import (
     Cells,
     checked_error_percent,
     choose,
+    explain,
     features,
+    meridians_for,
     predicted_error_percent,
     predicted_seconds,
     predicted_unknowns,
@@ -121,6 +123,18 @@ def test_choice_follows_the_tolerance() -> None:
     assert int(tight.level[1:]) > 1
     impossible = choose(with_tolerance(actuator(), 0.001), "axisymmetric")
     assert not impossible.within and impossible.level == "r4"
+
+
+def test_what_is_left_out_is_told_with_what_it_saves() -> None:
+    scene = with_tolerance(actuator(), 5.0)
+    choice = choose(scene, "axisymmetric")
+    lines = explain(scene, choice)
+    assert meridians_for(choice) == (1, 2)
+    assert "r1: expected error" in lines[0]
+    assert any(line.startswith("skipped axisymmetric r4") for line in lines)
+    assert any(line.startswith("skipped full3d n6") for line in lines)
+    body = explain(scene, choose(scene, "full3d"))
+    assert any(line.startswith("skipped full3d n6r2") for line in body)
 
 
 def test_two_levels_of_the_scene_itself_tell_the_error() -> None:
