@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from matplotlib.ticker import FuncFormatter
 
 from studies.cost_rows import Point, Power, front, told_apart
 from studies.plots import BESIDE, BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, figure_file
@@ -23,6 +24,11 @@ ELEMENTS = {"hex": "hexahedra", "tet": "tetrahedra", "tet-p0": "tetrahedra P2/P0
 def element_of(point: Point) -> str:
     """The element a point's level begins with; ``peer`` for another program's."""
     return "peer" if point.is_peer else point.level.split()[0]
+
+
+def short_name(point: Point) -> str:
+    """Element and mesh, for instance ``hex n8r2``; of a peer its mesh."""
+    return " ".join(point.level.split()[: 1 if point.is_peer else 2])
 
 
 def draw_front(path: Path, points: Sequence[Point], whole: bool = False) -> None:
@@ -58,6 +64,9 @@ def draw_front(path: Path, points: Sequence[Point], whole: bool = False) -> None
                 linewidth=1.4,
                 label=label,
             )
+            for p in line:
+                at = (time_of(p), told_apart(p))
+                axes.annotate(short_name(p), at, (4, 5), textcoords="offset points", fontsize=7.5, color=colours[rung])
             for element in dict.fromkeys(element_of(p) for p in mine):
                 of = [p for p in mine if element_of(p) == element]
                 marker = MARKERS.get(element, "D")
@@ -77,6 +86,8 @@ def draw_front(path: Path, points: Sequence[Point], whole: bool = False) -> None
             axes.plot([], [], color="#777777", marker=MARKERS[element], linestyle="none", label=ELEMENTS[element])
         axes.set_xscale("log")
         axes.set_yscale("log")
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axes.set_xlabel(
             "wall time, s, " + ("from start to end of the process" if whole else "without start and imports")
         )
