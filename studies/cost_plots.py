@@ -21,14 +21,9 @@ MARKERS = {"hex": "s", "tet": "^", "tet-p0": "v", "tet-p1": "x"}
 ELEMENTS = {"hex": "hexahedra", "tet": "tetrahedra", "tet-p0": "tetrahedra P2/P0", "tet-p1": "tetrahedra P1"}
 
 
-def element_of(point: Point) -> str:
-    """The element a point's level begins with; ``peer`` for another program's."""
-    return "peer" if point.is_peer else point.level.split()[0]
-
-
 def short_name(point: Point) -> str:
-    """Element and mesh, for instance ``hex n8r2``; of a peer its mesh."""
-    return " ".join(point.level.split()[: 1 if point.is_peer else 2])
+    """Element and mesh, for instance ``hex n8r2``; also of a peer."""
+    return f"{point.element} {point.mesh}"
 
 
 def draw_front(path: Path, points: Sequence[Point], whole: bool = False) -> None:
@@ -67,8 +62,8 @@ def draw_front(path: Path, points: Sequence[Point], whole: bool = False) -> None
             for p in line:
                 at = (time_of(p), told_apart(p))
                 axes.annotate(short_name(p), at, (4, 5), textcoords="offset points", fontsize=7.5, color=colours[rung])
-            for element in dict.fromkeys(element_of(p) for p in mine):
-                of = [p for p in mine if element_of(p) == element]
+            for element in dict.fromkeys(p.element for p in mine):
+                of = [p for p in mine if p.element == element]
                 marker = MARKERS.get(element, "D")
                 look = {"color": colours[rung], "marker": marker, "linestyle": "none", "markersize": 6.5}
                 axes.plot([time_of(p) for p in of], [told_apart(p) for p in of], alpha=0.8, **look)  # type: ignore[arg-type]
@@ -82,7 +77,7 @@ def draw_front(path: Path, points: Sequence[Point], whole: bool = False) -> None
                 label="settings of study-paper",
                 **ring,  # type: ignore[arg-type]
             )
-        for element in dict.fromkeys(element_of(p) for p in shown if not p.is_peer):
+        for element in dict.fromkeys(p.element for p in shown if not p.is_peer):
             axes.plot([], [], color="#777777", marker=MARKERS[element], linestyle="none", label=ELEMENTS[element])
         axes.set_xscale("log")
         axes.set_yscale("log")

@@ -147,7 +147,10 @@ def _cells(of: Sequence[Point]) -> Table:
 
 
 def _error(p: Point) -> str:
-    return MISSING if math.isnan(p.error_percent) else f"{p.error_percent:.2g}"
+    if math.isnan(p.error_percent):
+        return MISSING
+    credited = f" ({p.credited_percent:.2g})" if p.credited_percent > 1.05 * p.error_percent else ""
+    return f"{p.error_percent:.2g}{credited}"
 
 
 def _memory(p: Point) -> str:

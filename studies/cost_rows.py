@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from studies.compare import MERIDIAN_ORDER
 from studies.cost_cells import TUBE, Cell, Measurement, cell_scene, is_default
 from studies.exact_answers import exact_bore_mm
 from studies.exact_scene import ExactScene
-from studies.levels import fineness
+from studies.levels import fineness, ranking
 from studies.rows import REACHED, Row, row
 from studies.uncertainty import convergence
 
@@ -113,6 +113,8 @@ class Point:
     ----------
     error_percent
         Size of the error at the highest asked pressure, percent; NaN if it was not reached.
+    credited_percent
+        The largest error of this and all finer meshes of the same model and cells: what is smaller is luck.
     split_s
         Wall seconds by activity.
     default
@@ -123,6 +125,7 @@ class Point:
     rung: str
     level: str
     error_percent: float
+    credited_percent: float
     wall_s: float
     work_s: float
     cpu_s: float
@@ -137,6 +140,16 @@ class Point:
     def name(self) -> str:
         """Rung and level."""
         return f"{self.rung} {self.level}".strip()
+
+    @property
+    def element(self) -> str:
+        """Kind of cells; of a peer's, as its mesh is called."""
+        return self.level.split("-")[0] if self.is_peer else self.level.split()[0]
+
+    @property
+    def mesh(self) -> str:
+        """Name of the mesh, for instance ``n8r2``."""
+        return self.level.split()[0].split("-")[-1] if self.is_peer else self.level.split()[1]
 
     @property
     def time_s(self) -> float:
@@ -170,13 +183,24 @@ def points(rows: Iterable[Row]) -> list[Point]:
                 rung=rung,
                 level=level,
                 error_percent=error,
+                credited_percent=error,
                 status=REACHED if value is None else value.status,
                 split_s={r.quantity.removeprefix(SPLIT): r.value for r in of if r.quantity.startswith(SPLIT)},
                 default=DEFAULT in numbers,
                 **costs,
             )
         )
-    return found
+    return [replace(p, credited_percent=_credited(p, found)) for p in found]
+
+
+def _credited(point: Point, of: Sequence[Point]) -> float:
+    """Largest error of a point and of all meshes that are as fine in every direction."""
+    if math.isnan(point.error_percent):
+        return math.nan
+    mine = ranking(point.mesh)
+    alike = [p for p in of if (p.scene, p.rung, p.element) == (point.scene, point.rung, point.element)]
+    finer = [p for p in alike if all(a >= b for a, b in zip(ranking(p.mesh), mine, strict=True))]
+    return max(p.error_percent for p in finer if not math.isnan(p.error_percent))
 
 
 def _is_own_value(entry: Row) -> bool:
@@ -189,8 +213,8 @@ def floor_percent(scene: str) -> float:
 
 
 def told_apart(point: Point) -> float:
-    """A point's error, percent, or the floor of its scene."""
-    return max(point.error_percent, floor_percent(point.scene))
+    """A point's credited error, percent, or the floor of its scene."""
+    return max(point.credited_percent, floor_percent(point.scene))
 
 
 def front(of: Sequence[Point]) -> list[Point]:

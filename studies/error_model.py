@@ -103,8 +103,8 @@ FITS: dict[Cells, Fit] = {
     "hex": Fit((-2.0, -3.0, -3.7), (0.0,) * 5, (0.0,) * 5, 1.0, (1.4, 0.45, 0.45)),
     "tet": Fit((-2.0, -3.0, -3.7), (0.0,) * 5, (0.0,) * 5, 1.0, (1.4, 0.45, 0.45)),
 }
-# Two 1 and 2 mm walls at 20 kPa, the larger (docs/decisions.md).
-AROUND: dict[Cells, Around] = {"hex": Around(0.05, 8, 4.0), "tet": Around(0.2, 8, 3.4)}
+# The larger of two 1 and 2 mm walls at 20 kPa (docs/decisions.md) and of peer-bellows (cost study).
+AROUND: dict[Cells, Around] = {"hex": Around(0.07, 8, 4.0), "tet": Around(0.2, 8, 3.4)}
 # From python -m studies.error_fit --cost, with the rows of the cost study.
 SECONDS: dict[tuple[Rung, Cells], Seconds] = {
     ("axisymmetric", "hex"): Seconds(5e-4, 0.9),

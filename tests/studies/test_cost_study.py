@@ -35,7 +35,9 @@ def made_up(value: float, work_s: float = 1.0, unknowns: int = 1000) -> Measurem
 
 def point(work_s: float, error: float, level: str = "hex r1 auto 1x2", rung: str = "axisymmetric") -> Point:
     nan = math.nan
-    return Point("peer-bellows", rung, level, error, work_s + 3.0, work_s, nan, nan, nan, nan, "reached", {}, False)
+    return Point(
+        "peer-bellows", rung, level, error, error, work_s + 3.0, work_s, nan, nan, nan, nan, "reached", {}, False
+    )
 
 
 def made_up_rows() -> list[Row]:
@@ -88,6 +90,18 @@ def test_front_keeps_what_nothing_beats() -> None:
     assert front([beaten, unreached, good, quick]) == [quick, good]
     assert off_front(beaten, [quick, good, beaten]) == (1.5, good)
     assert off_front(good, [quick, good, beaten])[0] == 1.0
+
+
+def test_a_lucky_mesh_is_credited_the_error_of_a_finer_one() -> None:
+    values = {"r1": 20.002, "r2": 20.1, "r4": 20.05}
+    rows = []
+    for level, value in values.items():
+        name = f"hex {level} auto 1x2"
+        rows.append(row("peer-bellows", "tip_mm", "mm", 10.0, "axisymmetric", value, name, reference=20.0))
+        rows.append(row("peer-bellows", "wall_s", "s", 10.0, "axisymmetric", 1.0, name))
+    found = points(rows)
+    assert [p.error_percent for p in found] == pytest.approx([0.01, 0.5, 0.25])
+    assert [p.credited_percent for p in found] == pytest.approx([0.5, 0.5, 0.25])
 
 
 def test_errors_below_the_floor_are_equal() -> None:
