@@ -19,6 +19,7 @@ from mpi4py import MPI
 
 from meshes.bellows import check_shape
 from meshes.errors import GeometryError, MeshError
+from meshes.solid import FloatArray
 from solvers.errors import SolverError
 from studies import provenance
 from studies.build import scene_meridian
@@ -27,6 +28,7 @@ from studies.cost_rows import Point, points, power_law
 from studies.error_model import (
     FLOOR_PERCENT,
     LEVELS,
+    LONGEST,
     Cells,
     Fit,
     Seconds,
@@ -45,8 +47,8 @@ from studies.scene import Scene, load_scene, shape_of
 
 TOLERANCE_SCENES = provenance.ROOT / "scenes" / "tolerance"
 TRAINING, SEED = 24, 20241
-# Of these as many with three convolutions too, to see that the error does not depend on their number.
-LONGER, LONGER_SUFFIX = 4, "-n3"
+# Of these as many with `LONGEST` convolutions too: what both ends leave of error thins out with their number.
+LONGER, PREFIX = 4, "train-"
 # Finest meridian: what the others are compared with, extrapolated with the nominal order 2.
 FINEST = 8
 YEOH = {"law": "yeoh", "c_kpa": [36.0, 2.5, 0.23]}
@@ -70,7 +72,7 @@ class Sample:
     cells
         ``hex`` or ``tet``: quadrilaterals or triangles.
     features
-        As `error_model.features`, of each asked pressure.
+        As `error_model.features`.
     tips_mm
         By level, one per asked pressure; NaN where it was not reached.
     seconds, unknowns
@@ -79,7 +81,7 @@ class Sample:
 
     scene: str
     cells: Cells
-    features: tuple[tuple[float, ...], ...]
+    features: tuple[float, ...]
     tips_mm: dict[int, tuple[float, ...]]
     seconds: dict[int, float]
     unknowns: dict[int, int]
@@ -106,7 +108,7 @@ def training_scenes() -> list[Scene]:
         material = OGDEN if len(scenes) % 2 else YEOH
         # the load in parts of what a wall of this thickness carries, within 2 to 20 kPa
         top = round(min(max(load * 72.0 * wall / crest, 2.0), 20.0), 2)
-        scene = _scene(f"train-{len(scenes):02d}", wall, root, crest, seat, fillet, pitch, material, [0.5 * top, top])
+        scene = _scene(f"{PREFIX}{len(scenes):02d}", wall, root, crest, seat, fillet, pitch, material, [0.5 * top, top])
         try:
             check_shape(shape_of(scene))
             scene_meridian(scene, 1)
@@ -117,11 +119,11 @@ def training_scenes() -> list[Scene]:
 
 
 def longer_scenes(scenes: Sequence[Scene]) -> list[Scene]:
-    """Some of the scenes with three convolutions."""
+    """Some of the scenes with as many convolutions as the model tells apart."""
     found = []
     for scene in scenes[:LONGER]:
-        geometry = scene.geometry.model_copy(update={"convolutions": 3})
-        found.append(scene.model_copy(update={"name": f"{scene.name}{LONGER_SUFFIX}", "geometry": geometry}))
+        geometry = scene.geometry.model_copy(update={"convolutions": LONGEST})
+        found.append(scene.model_copy(update={"name": f"{scene.name}-n{LONGEST}", "geometry": geometry}))
     return found
 
 
@@ -177,7 +179,7 @@ def sample(scene: Scene, cells: Cells, levels: Sequence[int], folder: Path, prog
     return Sample(
         scene=scene.name,
         cells=cells,
-        features=tuple(features(of, p) for p in asked),
+        features=features(of),
         tips_mm={level: tuple(tip_at(run, p) for p in asked) for level, run in runs.items()},
         seconds={level: run.summary.time_s["total"] for level, run in runs.items()},
         unknowns={level: run.summary.dofs for level, run in runs.items()},
@@ -191,8 +193,7 @@ def all_samples(scenes: Sequence[Scene], folder: Path, comm: MPI.Comm) -> list[S
     progress = Progress(comm)
     mine = []
     for scene, of in jobs[comm.rank :: comm.size]:
-        finest = of == "hex" and not scene.name.endswith(LONGER_SUFFIX)
-        mine.append(sample(scene, of, (*LEVELS, FINEST) if finest else LEVELS, folder, progress))
+        mine.append(sample(scene, of, (*LEVELS, FINEST) if of == "hex" else LEVELS, folder, progress))
     found = comm.gather(mine)
     return [s for of_rank in found for s in of_rank] if found else []
 
@@ -205,36 +206,62 @@ def limits_of(samples: Sequence[Sample]) -> dict[str, tuple[float, ...]]:
 def fit(samples: Sequence[Sample], limits: dict[str, tuple[float, ...]], cells: Cells) -> Fit:
     """Least squares for the logarithm of the error: a constant per level and one slope per feature.
 
-    Beside it the ratios that turn two levels of a scene into an estimate: of the logarithms, the middle between the
-    largest and the smallest but a tenth.
+    The spread is that of scenes left out of the fit, each in turn with its longer sibling. Beside it the ratios that turn
+    two levels of a scene into an estimate: of the logarithms, the middle between the largest and the smallest but a tenth.
     """
-    rows: list[list[float]] = []
-    values: list[float] = []
+    of = [s for s in samples if s.cells == cells]
     ratios: dict[int, list[float]] = {level: [] for level in LEVELS}
-    for s in samples:
-        if s.cells != cells:
-            continue
+    for s in of:
         for level in LEVELS:
-            errors = s.errors_percent(level, limits[s.scene])
-            beside = max(level // 2, 1) if level > 1 else 2
+            beside = level // 2 if level > 1 else 2
             changes = [100.0 * abs(v / o - 1.0) for v, o in zip(s.tips_mm[level], s.tips_mm[beside], strict=True)]
-            ratios[level].append(math.log(max(FLOOR_PERCENT, *errors) / max(FLOOR_PERCENT, *changes)))
-            for of_pressure, error in zip(s.features, errors, strict=True):
-                rows.append([*(float(level == other) for other in LEVELS), *of_pressure])
-                values.append(math.log(max(error, FLOOR_PERCENT)))
-    a, b, levels = np.array(rows), np.array(values), len(LEVELS)
+            ratios[level].append(_log_error(s, level, limits) - math.log(max(FLOOR_PERCENT, *changes)))
+    misses: list[float] = []
+    for out in {_family(s) for s in of}:
+        kept = _solve([s for s in of if _family(s) != out], limits)
+        for s in of:
+            if _family(s) == out:
+                misses += [_predict(kept, s, level) - _log_error(s, level, limits) for level in LEVELS]
+    constants, slopes, centre = _solve(of, limits)
+    ends = {level: np.quantile(found, [TAIL, 1.0 - TAIL]) for level, found in ratios.items()}
+    return Fit(
+        constants=_rounded(constants),
+        slopes=_rounded(slopes),
+        centre=_rounded(centre),
+        spread=round(float(np.sqrt(np.mean(np.square(misses)))), 3),
+        ratios=_rounded([math.exp(0.5 * float(sum(ends[level]))) for level in LEVELS]),
+    )
+
+
+def _family(s: Sample) -> str:
+    """A made-up scene's name without its number of convolutions."""
+    return s.scene.rsplit("-n", 1)[0]
+
+
+def _log_error(s: Sample, level: int, limits: dict[str, tuple[float, ...]]) -> float:
+    """Logarithm of the largest error over the pressures."""
+    return math.log(max(FLOOR_PERCENT, *s.errors_percent(level, limits[s.scene])))
+
+
+Solution = tuple[FloatArray, FloatArray, FloatArray]
+
+
+def _solve(samples: Sequence[Sample], limits: dict[str, tuple[float, ...]]) -> Solution:
+    """Constants by level, slopes, and the features' means."""
+    levels = len(LEVELS)
+    rows = [[*(float(level == other) for other in LEVELS), *s.features] for s in samples for level in LEVELS]
+    a, b = np.array(rows), np.array([_log_error(s, level, limits) for s in samples for level in LEVELS])
     centre = a[:, levels:].mean(axis=0)
     a[:, levels:] -= centre
     penalty = np.diag([0.0] * levels + [RIDGE] * len(centre))
     found = np.linalg.solve(a.T @ a + penalty, a.T @ b)
-    ends = {level: np.quantile(of, [TAIL, 1.0 - TAIL]) for level, of in ratios.items()}
-    return Fit(
-        constants=_rounded(found[:levels]),
-        slopes=_rounded(found[levels:]),
-        centre=_rounded(centre),
-        spread=round(float(np.std(a @ found - b)), 3),
-        ratios=_rounded([math.exp(0.5 * float(sum(ends[level]))) for level in LEVELS]),
-    )
+    return found[:levels], found[levels:], centre
+
+
+def _predict(solution: Solution, s: Sample, level: int) -> float:
+    """Logarithm of the error."""
+    constants, slopes, centre = solution
+    return float(constants[LEVELS.index(level)] + slopes @ (np.array(s.features) - centre))
 
 
 def _rounded(numbers: Sequence[float] | np.ndarray) -> tuple[float, ...]:
@@ -331,7 +358,7 @@ def main(out: Path, cost: Path) -> None:
         return
     write_text_atomically(out / "samples.json", json.dumps([asdict(s) for s in samples], indent=1) + "\n")
     limits = limits_of(samples)
-    trained = [s for s in samples if s.scene.startswith("train-") and not s.scene.endswith(LONGER_SUFFIX)]
+    trained = [s for s in samples if s.scene.startswith(PREFIX)]
     kinds: tuple[Cells, ...] = ("hex", "tet")
     for cells in kinds:
         click.echo(f'FITS "{cells}": {fit(trained, limits, cells)}')
