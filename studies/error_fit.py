@@ -206,8 +206,9 @@ def limits_of(samples: Sequence[Sample]) -> dict[str, tuple[float, ...]]:
 def fit(samples: Sequence[Sample], limits: dict[str, tuple[float, ...]], cells: Cells) -> Fit:
     """Least squares for the logarithm of the error: a constant per level and one slope per feature.
 
-    The spread is that of scenes left out of the fit, each in turn with its longer sibling. Beside it the ratios that turn
-    two levels of a scene into an estimate: of the logarithms, the middle between the largest and the smallest but a tenth.
+    The spread is that of scenes left out of the fit, each in turn with its longer sibling. Beside it the ratios that
+    turn two levels of a scene into an estimate: of the logarithms, the middle between the largest and the smallest but a
+    tenth.
     """
     of = [s for s in samples if s.cells == cells]
     ratios: dict[int, list[float]] = {level: [] for level in LEVELS}
