@@ -32,6 +32,8 @@ MEMORY_MB: Final = 24_000.0
 # A setting this much slower than the best as exact still counts as on the front: times repeat to about this.
 NOISE: Final = 1.1
 PEER_RATIO: Final = "time_ratio_"
+# Of the error model's rows, those that name the level a tolerance chose.
+CHOSEN: Final = "chosen"
 # Shares of a front member's time are drawn for.
 _SPLIT_ORDER: Final = ("axisymmetric start", *ACTIVITIES)
 
@@ -61,6 +63,7 @@ def write_cost_report(folder: Path) -> Path:
         "growth": _growth(found, pictures),
         "farming": _farming(rows),
         "compilation": _compilation(rows),
+        "model": _model(rows),
         "provenance": _provenance(),
     }
     return write_page(folder, "cost.md.j2", content)
@@ -335,6 +338,30 @@ def _peer_sentences(rows: Sequence[Row]) -> list[str]:
     """The peer study's own ratios."""
     ratios = [r for r in rows if r.quantity.startswith(PEER_RATIO) and math.isfinite(r.value)]
     return [f"{r.scene}: {r.quantity.replace('_', ' ')} {r.level}: {r.value:.2g}." for r in ratios]
+
+
+def _model(rows: Sequence[Row]) -> Table:
+    """Predicted, checked and achieved errors of the scenes on which the error model is checked, at the chosen level."""
+    numbers = {(r.scene, r.level, r.quantity): r.value for r in rows}
+    lines = []
+    for r in rows:
+        if r.quantity != CHOSEN:
+            continue
+        predicted, checked, achieved = (
+            numbers[r.scene, r.level, f"{name}_error_percent"] for name in ("predicted", "checked", "achieved")
+        )
+        lines.append(
+            (
+                r.scene,
+                f"{r.value:g}",
+                r.level,
+                *(f"{x:.2g}" for x in (predicted, checked, achieved)),
+                *(f"{x / achieved:.2f}" for x in (predicted, checked)),
+            )
+        )
+    header = ("scene", "tolerance, %", "chosen", "predicted, %", "checked, %", "achieved, %", "predicted / achieved",
+              "checked / achieved")  # fmt: skip
+    return Table(header, tuple(lines), (0, 2))
 
 
 def _provenance() -> Table:

@@ -246,6 +246,11 @@ def peer_rows(file: Path) -> list[Row]:
     return [r for r in read_rows(file) if r.rung.startswith("peer_") or r.quantity.startswith(PEER_RATIO)]
 
 
+def model_rows(file: Path) -> list[Row]:
+    """Rows of the error model's check; none if it has not been run."""
+    return read_rows(file) if file.exists() else []
+
+
 def study_rows(folder: Path, cells: Sequence[Cell]) -> list[Row]:
     """Rows of all that has been measured with the present content."""
     store = Store(folder / "measured")
@@ -263,10 +268,13 @@ def study_rows(folder: Path, cells: Sequence[Cell]) -> list[Row]:
 @click.option(
     "--peers", default="results/peers/rows.csv", type=click.Path(path_type=Path), help="Rows of the peer study."
 )
+@click.option(
+    "--model", default="results/error-model/rows.csv", type=click.Path(path_type=Path), help="Of the error fit."
+)
 @click.option("--minutes", default=math.inf, help="Start no more cells after so long; the same command goes on.")
 @click.option("--large", is_flag=True, help="Also the largest bodies that fit 24 GB; they take minutes each.")
 @click.option("--body", multiple=True, help="Only cells of this scene file below scenes/, for instance exact/tube.")
-def main(out: Path, peers: Path, minutes: float, large: bool, body: tuple[str, ...]) -> None:
+def main(out: Path, peers: Path, model: Path, minutes: float, large: bool, body: tuple[str, ...]) -> None:
     """Measure the cost and error of every model, element, mesh and way of stepping; write rows and report."""
     unwanted = () if large else large_cells()
     cells = [cell for cell in all_cells() if (not body or cell.body in body) and cell not in unwanted]
@@ -274,7 +282,7 @@ def main(out: Path, peers: Path, minutes: float, large: bool, body: tuple[str, .
         if not scene_file(name).exists():
             raise click.UsageError(f"{scene_file(name)} is missing")
     done = measure_all(out, cells, minutes, click.echo)
-    write_rows(out / "rows.csv", [*study_rows(out, all_cells()), *peer_rows(peers)])
+    write_rows(out / "rows.csv", [*study_rows(out, all_cells()), *peer_rows(peers), *model_rows(model)])
     click.echo(f"report: {write_cost_report(out)}")
     if not done:
         click.echo("not complete: run the same command again")

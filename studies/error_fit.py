@@ -24,6 +24,7 @@ from solvers.errors import SolverError
 from studies import provenance
 from studies.build import scene_meridian
 from studies.compare import tip_at
+from studies.cost_report import CHOSEN
 from studies.cost_rows import Point, points, power_law
 from studies.error_model import (
     FLOOR_PERCENT,
@@ -207,8 +208,8 @@ def fit(samples: Sequence[Sample], limits: dict[str, tuple[float, ...]], cells: 
     """Least squares for the logarithm of the error: a constant per level and one slope per feature.
 
     The spread is that of scenes left out of the fit, each in turn with its longer sibling. Beside it the ratios that
-    turn two levels of a scene into an estimate: of the logarithms, the middle between the largest and the smallest but a
-    tenth.
+    turn two levels of a scene into an estimate: of the logarithms, the middle between the largest and the smallest but
+    a tenth.
     """
     of = [s for s in samples if s.cells == cells]
     ratios: dict[int, list[float]] = {level: [] for level in LEVELS}
@@ -315,7 +316,7 @@ def check_rows(scenes: Sequence[Scene], samples: Sequence[Sample], limits: dict[
                             reference=s.seconds[level], source="this run"))  # fmt: skip
             if choice.level == f"r{level}":
                 tolerance = scene.ask.tolerance_percent
-                rows.append(row(s.scene, "chosen", "%", math.nan, "axisymmetric", tolerance, name))
+                rows.append(row(s.scene, CHOSEN, "%", math.nan, "axisymmetric", tolerance, name))
     return rows
 
 
@@ -329,7 +330,7 @@ def summary(rows: Sequence[Row]) -> list[str]:
     """How well the check scenes were predicted, a line per kind of cells and prediction."""
     lines = []
     kinds: tuple[Cells, ...] = ("hex", "tet")
-    chosen = {(r.scene, r.level) for r in rows if r.quantity == "chosen"}
+    chosen = {(r.scene, r.level) for r in rows if r.quantity == CHOSEN}
     for cells in kinds:
         for quantity in ("predicted_error_percent", "checked_error_percent", "predicted_s"):
             found = factors(rows, quantity, cells)
