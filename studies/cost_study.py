@@ -89,7 +89,8 @@ def launch(ranks: int, threads: int, arguments: Sequence[str]) -> tuple[list[str
     command = [sys.executable, "-m", *arguments]
     if ranks > 1:
         command = ["mpirun", "-n", str(ranks), *command]
-    environment = dict(os.environ)
+    # started under mpirun itself, this process's own ranks are none of the child's
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_COMM", "PMIX_"))}
     environment |= {
         "OPENBLAS_NUM_THREADS": str(threads),
         "OMPI_MCA_rmaps_base_oversubscribe": "1",
