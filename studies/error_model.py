@@ -125,7 +125,7 @@ SECONDS: dict[tuple[Rung, Cells], Seconds] = {
     ("axisymmetric", "tet"): Seconds(0.00108, 0.842),
     ("sector", "hex"): Seconds(0.000511, 0.834),
     ("full3d", "hex"): Seconds(0.00055, 0.824),
-    ("full3d", "tet"): Seconds(2e-5, 1.2),
+    ("full3d", "tet"): Seconds(8.9e-07, 1.426),
 }
 
 
