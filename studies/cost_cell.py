@@ -27,8 +27,11 @@ from studies.gaps import GapMeter
 from studies.levels import BodyLevel, body_level, fineness
 from studies.progress import Progress
 from studies.run_log import Log, Run, begin, finish, path_row
-from studies.runs import run_axisymmetric, run_body, run_hash
+from studies.runs import run_axisymmetric, run_body, run_closed_form, run_hash
 from studies.scene import Scene
+
+# To be raised when something else is measured, so that what was measured before is not taken for it.
+MEASURED_AS = 1
 
 
 @dataclass(frozen=True)
@@ -56,8 +59,10 @@ def solve(cell: Cell, folder: Path, comm: MPI.Comm) -> Answer:
         last = scene.loads_kpa[-1]
         value = next((v["bore_mm"] for p, v in run.measured.items() if math.isclose(p, last, rel_tol=1e-9)), math.nan)
         return Answer((run.run,), value, last)
-    if cell.rung == "axisymmetric":
-        runs: tuple[Run, ...] = (run_axisymmetric(scene, fineness(cell.level), place, comm, progress),)
+    if cell.rung == "closed_form":
+        runs: tuple[Run, ...] = (run_closed_form(scene, place, comm),)
+    elif cell.rung == "axisymmetric":
+        runs = (run_axisymmetric(scene, fineness(cell.level), place, comm, progress),)
     elif cell.strategy == "cold":
         runs = (cold_body(scene, cell, body_level(cell.level), place, comm, progress),)
     else:

@@ -20,11 +20,14 @@ ACTUATOR_KPA = (20.0,)
 # Linear elements without a pressure need a compressible material.
 P1_KAPPA_OVER_MU = 1000.0
 
-Element = Literal["hex", "tet", "tet-p0", "tet-p1"]
-Rung = Literal["axisymmetric", "sector", "full3d"]
+# A closed form has no cells.
+Element = Literal["hex", "tet", "tet-p0", "tet-p1", "none"]
+Rung = Literal["closed_form", "axisymmetric", "sector", "full3d"]
 # Paths from zero by what is held; bodies from the revolved axisymmetric state (warm), or by a path of their own (cold).
 Strategy = Literal["auto", "pressure", "volume", "warm", "cold"]
 CONTROLS: tuple[Strategy, ...] = ("pressure", "volume")
+# The closed form's chain, in the place of a mesh.
+CHAIN = "mended"
 # Elements that are there to be compared with: one pressure per cell, and linear without a pressure.
 POORER: tuple[Element, ...] = ("tet-p0", "tet-p1")
 
@@ -119,7 +122,7 @@ def cell_scene(cell: Cell) -> Scene | ExactScene:
         load["pressure_kpa"] = list(ACTUATOR_KPA)
     parts: dict[str, Any] = {
         "load": scene.load.model_copy(update=load),
-        "mesh": scene.mesh.model_copy(update={"element": cell.element}),
+        "mesh": scene.mesh.model_copy(update={"element": "auto" if cell.element == "none" else cell.element}),
         "ask": scene.ask.model_copy(update={"fields": False}),
     }
     if isinstance(scene, Scene) and cell.element == "hex":
@@ -161,7 +164,7 @@ def tube_cells() -> list[Cell]:
 
 def bellows_cells() -> list[Cell]:
     """The peers' bellows of two convolutions; hexahedra have rigid rings, tetrahedra meshed ones."""
-    found: list[Cell] = []
+    found = [Cell(BELLOWS, "closed_form", "none", CHAIN, "auto")]
     meridians: tuple[tuple[Element, str], ...] = (
         ("hex", "r1 r2 r4"),
         ("tet", "r1 r2 r4 r8"),
@@ -187,7 +190,8 @@ def bellows_cells() -> list[Cell]:
 
 def actuator_cells() -> list[Cell]:
     """An actuator of the paper."""
-    found = _each(ACTUATOR, "axisymmetric", "hex", "auto", "r1 r2 r4", (1,))
+    found = [Cell(ACTUATOR, "closed_form", "none", CHAIN, "auto")]
+    found += _each(ACTUATOR, "axisymmetric", "hex", "auto", "r1 r2 r4", (1,))
     found += _each(ACTUATOR, "sector", "hex", "warm", "n8", (2,))
     found += _each(ACTUATOR, "full3d", "hex", "warm", "n8 n16", (1, 2))
     found += _each(ACTUATOR, "full3d", "hex", "warm", "n12 n24 n8r2 n12r2 n16r2", (2,))

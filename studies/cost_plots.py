@@ -14,11 +14,17 @@ from studies.cost_rows import Point, Power, front, told_apart
 from studies.plots import BESIDE, BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, figure_file
 
 # Of this program by model, of others by their name in turn.
-COLOURS = {"axisymmetric": BLUE, "sector": SKY, "full3d": VERMILION}
-LABELS = {"axisymmetric": "axisymmetric", "sector": "quarter in 3D", "full3d": "full 3D"}
-PEER_COLOURS = (GREEN, ORANGE, PURPLE, BLACK, "#777777")
-MARKERS = {"hex": "s", "tet": "^", "tet-p0": "v", "tet-p1": "x"}
-ELEMENTS = {"hex": "hexahedra", "tet": "tetrahedra", "tet-p0": "tetrahedra P2/P0", "tet-p1": "tetrahedra P1"}
+COLOURS = {"closed_form": ORANGE, "axisymmetric": BLUE, "sector": SKY, "full3d": VERMILION}
+LABELS = {"closed_form": "closed form", "axisymmetric": "axisymmetric", "sector": "quarter in 3D", "full3d": "full 3D"}
+PEER_COLOURS = (GREEN, PURPLE, BLACK, "#777777")
+MARKERS = {"hex": "s", "tet": "^", "tet-p0": "v", "tet-p1": "x", "none": "P"}
+ELEMENTS = {
+    "hex": "hexahedra",
+    "tet": "tetrahedra",
+    "tet-p0": "tetrahedra P2/P0",
+    "tet-p1": "tetrahedra P1",
+    "none": "no cells",
+}
 
 
 def short_name(point: Point) -> str:

@@ -69,9 +69,9 @@ BATCHES = tuple(Batch(rung, ranks) for rung in FARMED_RUNGS for ranks in (1, 2))
 
 
 def cell_key(cell: Cell) -> str:
-    """Key of a measurement: the cell, its scene, the code that computes it and the machine."""
+    """Key of a measurement: the cell, its scene, what is measured, the code that computes it and the machine."""
     scene = cell_scene(cell).model_dump(mode="json")
-    return _key(asdict(cell), scene, Path(cost_cell.__file__).read_text(encoding="utf-8"))
+    return _key(asdict(cell), scene, cost_cell.MEASURED_AS)
 
 
 def batch_key(batch: Batch, texts: Sequence[str]) -> str:
