@@ -1,0 +1,177 @@
+"""The cost study: its cells, what is read off its rows, its report, and one small cell measured."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import Path
+
+import pytest
+
+from studies.cost_cells import BELLOWS, TUBE, Cell, Measurement, all_cells, cell_scene, is_default, measurement
+from studies.cost_report import by_rung, write_cost_report
+from studies.cost_rows import (
+    BELLOWS_FLOOR_PERCENT,
+    Point,
+    farming_rows,
+    front,
+    measured_rows,
+    off_front,
+    points,
+    power_law,
+)
+from studies.cost_study import Store, cell_key, measure_cell, peer_rows, study_rows
+from studies.rows import Row, read_rows, row, write_rows
+from studies.scene import Scene
+
+MERIDIANS = [Cell(BELLOWS, "axisymmetric", "tet", f"r{r}", "auto") for r in (1, 2, 4)]
+BODY = Cell(BELLOWS, "full3d", "hex", "n8", "warm", 2, 1)
+
+
+def made_up(value: float, work_s: float = 1.0, unknowns: int = 1000) -> Measurement:
+    split = {"factor": 0.5 * work_s}
+    return Measurement(value, 10.0, work_s + 3.0, work_s, work_s, 200.0, unknowns, 20, math.nan, split, "reached")
+
+
+def point(work_s: float, error: float, level: str = "hex r1 auto 1x2", rung: str = "axisymmetric") -> Point:
+    nan = math.nan
+    return Point(
+        "peer-bellows", rung, level, error, error, work_s + 3.0, work_s, nan, nan, nan, nan, "reached", {}, False
+    )
+
+
+def made_up_rows() -> list[Row]:
+    # errors 1/h^2 about a limit of 20 mm
+    measured = {cell: made_up(20.0 + 0.8 / 4**k, 10.0**k) for k, cell in enumerate(MERIDIANS)}
+    measured[BODY] = made_up(20.1, 30.0, 50_000)
+    return measured_rows(measured)
+
+
+def test_cells_are_told_apart_and_can_all_be_made_into_scenes() -> None:
+    cells = all_cells()
+    names = [(cell.body, cell.rung, cell.name) for cell in cells]
+    assert len(set(names)) == len(names)
+    for cell in cells:
+        scene = cell_scene(cell)
+        assert scene.mesh.element == ("auto" if cell.element == "none" else cell.element)
+        if isinstance(scene, Scene) and cell.element == "hex":
+            assert scene.rings.model == "rigid"
+    assert len({cell_key(cell) for cell in cells}) == len(cells)
+
+
+def test_default_settings_are_among_the_cells_of_both_models() -> None:
+    found = {(cell.body, cell.rung) for cell in all_cells() if is_default(cell)}
+    assert (BELLOWS, "axisymmetric") in found
+    assert (BELLOWS, "full3d") in found
+
+
+def test_reference_is_the_limit_of_the_three_finest_meridians() -> None:
+    rows = [r for r in made_up_rows() if r.quantity == "tip_mm"]
+    assert {round(r.reference, 9) for r in rows} == {20.0}
+    assert "r1, r2, r4" in rows[0].source
+    assert next(r for r in rows if r.rung == "full3d").error_percent == pytest.approx(0.5)
+
+
+def test_points_carry_what_the_rows_say_and_peers_are_held_to_the_same_reference() -> None:
+    theirs = [
+        row("peer-bellows", "tip_mm", "mm", 10.0, "peer_x", 20.4, "tet10-n8r1", reference=21.0),
+        row("peer-bellows", "wall_s", "s", 10.0, "peer_x", 50.0, "tet10-n8r1"),
+    ]
+    found = {p.name: p for p in points([*made_up_rows(), *theirs])}
+    body, peer = found["full3d hex n8 warm 2x1"], found["peer_x tet10-n8r1"]
+    assert body.default and body.unknowns == 50_000 and body.split_s == {"factor": 15.0}
+    assert peer.is_peer and peer.error_percent == pytest.approx(2.0)
+    assert peer.time_s == 50.0 and body.time_s == 30.0
+    assert set(by_rung(list(found.values()))) == {"axisymmetric", "full3d", "peers, full 3D"}
+
+
+def test_front_keeps_what_nothing_beats() -> None:
+    quick, good, beaten, unreached = point(1.0, 1.0), point(2.0, 0.1), point(3.0, 0.2), point(0.1, math.nan)
+    assert front([beaten, unreached, good, quick]) == [quick, good]
+    assert off_front(beaten, [quick, good, beaten]) == (1.5, good)
+    assert off_front(good, [quick, good, beaten])[0] == 1.0
+
+
+def test_a_lucky_mesh_is_credited_the_error_of_a_finer_one() -> None:
+    values = {"r1": 20.002, "r2": 20.1, "r4": 20.05}
+    rows = []
+    for level, value in values.items():
+        name = f"hex {level} auto 1x2"
+        rows.append(row("peer-bellows", "tip_mm", "mm", 10.0, "axisymmetric", value, name, reference=20.0))
+        rows.append(row("peer-bellows", "wall_s", "s", 10.0, "axisymmetric", 1.0, name))
+    found = points(rows)
+    assert [p.error_percent for p in found] == pytest.approx([0.01, 0.5, 0.25])
+    assert [p.credited_percent for p in found] == pytest.approx([0.5, 0.5, 0.25])
+
+
+def test_errors_below_the_floor_are_equal() -> None:
+    lucky = point(5.0, 1e-9)
+    enough = point(1.0, 0.5 * BELLOWS_FLOOR_PERCENT)
+    assert front([lucky, enough]) == [enough]
+
+
+def test_power_law_of_a_power() -> None:
+    law = power_law([1e3, 1e4, 1e5], [2.0 * x**1.5 for x in (1e3, 1e4, 1e5)])
+    assert law.exponent == pytest.approx(1.5) and law.worst == pytest.approx(1.0)
+    assert law.inverse(law.at(5e4)) == pytest.approx(5e4)
+
+
+def test_a_finished_measurement_is_not_repeated(tmp_path: Path) -> None:
+    calls: list[int] = []
+
+    def measure() -> Measurement:
+        calls.append(1)
+        return made_up(1.0)
+
+    first = Store(tmp_path).once("key", measure)
+    again = Store(tmp_path).once("key", measure)
+    assert len(calls) == 1
+    assert dataclasses.replace(first, compile_s=0.0) == dataclasses.replace(again, compile_s=0.0)
+    assert study_rows(tmp_path, all_cells()) == []
+
+
+def test_report_of_made_up_rows(tmp_path: Path) -> None:
+    rows = made_up_rows()
+    rows += farming_rows("four actuators", "full3d", 1, made_up(1.0, 7.0))
+    rows += farming_rows("four actuators", "full3d", 2, made_up(1.0, 17.0))
+    write_rows(tmp_path / "rows.csv", rows)
+    page = write_cost_report(tmp_path)
+    text = page.with_suffix(".md").read_text(encoding="utf-8")
+    assert "2.00 times as long" in text
+    assert "study-paper's full3d hex n8 warm 2x1 on peer-bellows (0.5 % in 30.0 s): on the front" in text
+    assert (tmp_path / "pictures" / "front-peer-bellows.png").exists()
+
+
+def test_of_the_peer_study_only_other_programs_and_ratios_are_taken(tmp_path: Path) -> None:
+    rows = [
+        row("s", "wall_s", "s", 10.0, "peer_x", 50.0),
+        row("s", "wall_s", "s", 10.0, "full3d", 5.0),
+        row("s", "time_ratio_full3d_to_fastest_peer", "1", 10.0, "full3d", 0.1),
+    ]
+    write_rows(tmp_path / "rows.csv", rows)
+    assert [r.value for r in peer_rows(tmp_path / "rows.csv")] == [50.0, 0.1]
+    assert peer_rows(tmp_path / "none.csv") == []
+
+
+def test_a_small_cell_measured() -> None:
+    cell = Cell(TUBE, "axisymmetric", "hex", "r1", "auto", 1, 1)
+    found = measure_cell(cell)
+    assert found.status == "reached"
+    assert measurement(found.as_json()).value == found.value
+    (of,) = points(measured_rows({cell: found}))
+    assert of.error_percent < 0.01
+    assert 0.0 < found.work_s < found.wall_s
+    assert 0.0 < sum(found.split_s.values()) <= found.work_s
+    assert found.peak_mb > 50.0 and found.unknowns > 10
+
+
+def test_a_cell_that_fails_says_why() -> None:
+    found = measure_cell(Cell("no/such/scene", "axisymmetric", "hex", "r1", "auto", 1, 1))
+    assert found.status.startswith("failed: ")
+    assert math.isnan(found.value)
+
+
+def test_rows_survive_their_file(tmp_path: Path) -> None:
+    write_rows(tmp_path / "rows.csv", made_up_rows())
+    before, after = points(made_up_rows()), points(read_rows(tmp_path / "rows.csv"))
+    assert [p.name for p in before] == [p.name for p in after]

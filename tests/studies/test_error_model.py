@@ -1,0 +1,180 @@
+"""The error model: what it says of scenes, its fit on made-up samples, and its choice of meshes."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from studies import error_model, provenance
+from studies.build import scene_meridian
+from studies.error_fit import (
+    FINEST,
+    TOLERANCE_SCENES,
+    TRAINING,
+    Sample,
+    check_rows,
+    factors,
+    fit,
+    in_cells,
+    limits_of,
+    sample,
+    time_laws,
+    training_scenes,
+)
+from studies.error_model import (
+    FITS,
+    LEVELS,
+    Cells,
+    checked_error_percent,
+    choose,
+    explain,
+    features,
+    meridians_for,
+    predicted_error_percent,
+    predicted_seconds,
+    predicted_unknowns,
+)
+from studies.progress import Progress
+from studies.rows import row
+from studies.scene import Scene, load_scene
+
+CHECKS = sorted(TOLERANCE_SCENES.glob("*.toml"))
+
+
+def actuator() -> Scene:
+    return load_scene(provenance.ROOT / "scenes" / "heung-t2-ri5.toml")
+
+
+def with_tolerance(scene: Scene, percent: float) -> Scene:
+    return scene.model_copy(update={"ask": scene.ask.model_copy(update={"tolerance_percent": percent})})
+
+
+def made_up_samples(power: float, count: int = 12) -> list[Sample]:
+    """Errors of the second order that are a power of the first feature; true tips 10 mm."""
+    random = np.random.default_rng(1)
+    found = []
+    for k in range(count):
+        of = tuple(random.uniform(-1.0, 1.0, 7))
+        error = math.exp(power * of[0])
+        tips: dict[int, tuple[float, ...]] = {
+            level: (10.0 * (1.0 + 0.01 * error / level**2),) for level in (*LEVELS, FINEST)
+        }
+        nothing = dict.fromkeys(tips, 1)
+        found.append(Sample(f"s{k}", "hex", of, tips, dict.fromkeys(tips, 1.0), nothing))
+    return found
+
+
+def test_ten_check_scenes_span_what_they_should_and_are_not_trained_on() -> None:
+    scenes = [load_scene(path) for path in CHECKS]
+    assert len(scenes) == 10
+    assert {scene.material.law for scene in scenes} == {"yeoh", "ogden"}
+    assert len({(s.rings.seat_mm, s.geometry.fillet_mm, s.geometry.half_pitch_mm) for s in scenes}) == 3
+    assert {0.5, 2.0} <= {scene.geometry.wall_mm for scene in scenes}
+    assert {4.0, 10.0} <= {scene.geometry.root_radius_mm for scene in scenes}
+    pressures = [p for scene in scenes for p in scene.load.pressure_kpa]
+    assert min(pressures) == 2.0 and max(pressures) == 20.0
+    trained = {repr(scene.geometry) for scene in training_scenes()}
+    assert len(trained) == TRAINING and not trained & {repr(scene.geometry) for scene in scenes}
+
+
+def test_training_scenes_are_always_the_same() -> None:
+    assert training_scenes() == training_scenes()
+
+
+@pytest.mark.parametrize("cells", ["hex", "tet"])
+@pytest.mark.parametrize("level", [1, 2])
+def test_unknowns_are_counted_before_meshing(cells: Cells, level: int) -> None:
+    scene = in_cells(actuator(), cells)
+    mesh = scene_meridian(scene, level)
+    pressures = 3 * len(mesh.cells) if cells == "hex" else len(mesh.corners)
+    assert predicted_unknowns(scene, "axisymmetric", f"r{level}") == pytest.approx(
+        2 * len(mesh.points) + pressures, rel=0.01
+    )
+
+
+def test_a_body_known_from_the_readme_is_counted() -> None:
+    assert predicted_unknowns(actuator(), "full3d", "n8") == pytest.approx(77_165, rel=0.01)
+    assert predicted_unknowns(actuator(), "full3d", "n16") == pytest.approx(154_805, rel=0.01)
+
+
+def test_a_sector_has_a_quarter_of_the_unknowns() -> None:
+    whole = predicted_unknowns(actuator(), "full3d", "n8")
+    assert predicted_unknowns(actuator(), "sector", "n8") == pytest.approx(0.25 * whole)
+
+
+@pytest.mark.parametrize("cells", ["hex", "tet"])
+def test_finer_is_predicted_more_exact_and_slower(cells: Cells) -> None:
+    scene = in_cells(actuator(), cells)
+    errors = [predicted_error_percent(scene, "axisymmetric", f"r{level}") for level in LEVELS]
+    seconds = [predicted_seconds(scene, "axisymmetric", f"r{level}") for level in LEVELS]
+    assert errors == sorted(errors, reverse=True)
+    assert seconds == sorted(seconds)
+    bodies = [predicted_error_percent(scene, "full3d", level) for level in ("n8", "n12")]
+    assert bodies[0] > bodies[1] > errors[0]
+
+
+def test_choice_follows_the_tolerance() -> None:
+    loose, tight = (choose(with_tolerance(actuator(), percent), "axisymmetric") for percent in (5.0, 0.03))
+    assert loose.within and loose.level == "r1"
+    assert int(tight.level[1:]) > 1
+    impossible = choose(with_tolerance(actuator(), 0.001), "axisymmetric")
+    assert not impossible.within and impossible.level == "r4"
+
+
+def test_what_is_left_out_is_told_with_what_it_saves() -> None:
+    scene = with_tolerance(actuator(), 5.0)
+    choice = choose(scene, "axisymmetric")
+    lines = explain(scene, choice)
+    assert meridians_for(choice) == (1, 2)
+    assert "r1: expected error" in lines[0]
+    assert any(line.startswith("skipped axisymmetric r4") for line in lines)
+    assert any(line.startswith("skipped full3d n6") for line in lines)
+    body = explain(scene, choose(scene, "full3d"))
+    assert any(line.startswith("skipped full3d n6r2") for line in body)
+
+
+def test_two_levels_of_the_scene_itself_tell_the_error() -> None:
+    ratio = FITS["hex"].ratios
+    assert checked_error_percent("hex", 2, [10.0, 20.0], [10.1, 20.6]) == pytest.approx(3.0 * ratio[1])
+    assert checked_error_percent("hex", 1, [10.0], [10.1]) == pytest.approx(1.0 * ratio[0])
+    assert checked_error_percent("hex", 2, [10.0], [10.0]) == error_model.FLOOR_PERCENT
+    assert checked_error_percent("hex", 2, [10.0, math.nan], [10.1, 20.0]) == pytest.approx(1.0 * ratio[1])
+
+
+def test_fit_finds_the_law_it_was_given() -> None:
+    samples = made_up_samples(0.7)
+    found = fit(samples, {s.scene: (10.0,) for s in samples}, "hex")
+    assert found.slopes[0] == pytest.approx(0.7, abs=0.1)
+    assert max(abs(s) for s in found.slopes[1:]) < 0.1
+    assert found.constants[0] - found.constants[1] == pytest.approx(math.log(4.0), abs=0.15)
+    assert found.ratios == pytest.approx((4.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0), rel=0.05)
+
+
+def test_limits_are_extrapolated() -> None:
+    assert all(limit == pytest.approx(10.0, rel=1e-3) for (limit,) in limits_of(made_up_samples(0.0)).values())
+
+
+def test_time_laws_from_rows_of_the_cost_study() -> None:
+    rows = [
+        row("peer-bellows", quantity, "1", 10.0, "full3d", value, f"hex n{n} warm 2x1")
+        for n in (8, 16, 32)
+        for quantity, value in (("wall_s", 9.0 + n), ("work_s", 1e-3 * n**1.5), ("unknowns", float(n)))
+    ]
+    (law,) = time_laws(rows).values()
+    assert law.exponent == pytest.approx(1.5) and law.at(8.0) == pytest.approx(1e-3 * 8**1.5, rel=0.01)
+
+
+def test_one_small_scene_from_runs_to_rows(tmp_path: Path) -> None:
+    scene = training_scenes()[3]
+    found = sample(scene, "hex", (1, 2, 4), tmp_path, Progress(MPI.COMM_SELF))
+    assert found.unknowns[2] > found.unknowns[1]
+    assert found.features == features(in_cells(scene, "hex"))
+    limits = {scene.name: found.limits_mm()}
+    rows = check_rows([scene], [found], limits)
+    checked = factors(rows, "checked_error_percent", "hex")
+    assert len(checked) == len(LEVELS)
+    assert all(factor >= 1.0 for factor in checked.values())
