@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ begin = time.perf_counter()
 data, options = np.load(sys.argv[1]), json.loads(sys.argv[2])
 points, cells = data["points"], data["cells"]
 # Nodes of CalculiX's cells in basix order, corners of its faces, usual element, by nodes per cell in basix.
-KINDS = {
+KINDS: dict[int, tuple[list[int], list[tuple[int, ...]], str]] = {
     10: ([0, 1, 2, 3, 9, 6, 8, 7, 5, 4], [(1, 2, 3), (1, 4, 2), (2, 4, 3), (3, 4, 1)], "C3D10"),
     27: (
         [0, 1, 3, 2, 4, 5, 7, 6, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 15, 14],
@@ -38,10 +39,10 @@ bulk = options.get("kappa_over_mu", 1000.0) * 2.0 * c1
 young, poisson = data["ring_mpa_nu"]
 
 
-def numbers(nodes):  # noqa: ANN001, ANN201
+def numbers(nodes: Iterable[int]) -> str:
     """Node numbers, ten a line."""
-    nodes = list(map(str, nodes))
-    return ",\n".join(",".join(nodes[i : i + 10]) for i in range(0, len(nodes), 10))
+    texts = list(map(str, nodes))
+    return ",\n".join(",".join(texts[i : i + 10]) for i in range(0, len(texts), 10))
 
 
 deck = ["*NODE, NSET=ALL"]
@@ -79,7 +80,8 @@ with tempfile.TemporaryDirectory() as folder:
         text=True,
         check=False,
     )
-    found, at = {}, 0.0
+    found: dict[int, float] = {}
+    at = 0.0
     for line in Path(folder, "job.dat").read_text(encoding="ascii").splitlines():
         fields = line.split()
         if "displacements" in line:

@@ -238,4 +238,5 @@ def tip_weights(scene: Scene, mesh: SolidMesh) -> tuple[IntArray, FloatArray]:
     facets, weight = tip._facets, tip._weight
     nodes, back = np.unique(facets, return_inverse=True)
     spread = np.repeat(weight / facets.shape[1], facets.shape[1])
-    return nodes, np.bincount(back.ravel(), weights=spread)
+    summed = np.bincount(back.ravel(), weights=spread)
+    return np.asarray(nodes, dtype=np.int64), np.asarray(summed, dtype=np.float64)

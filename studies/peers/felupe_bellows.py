@@ -7,9 +7,10 @@ pressure and volume ratio, the latter two linear and discontinuous.
 
 import json
 import os
-import resource
 import sys
 import time
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +31,7 @@ bulk = options.get("kappa_over_mu", 5000.0) * mu
 
 
 # --- the law: FElupe has Yeoh by automatic differentiation only, several times slower --------------------------
-def parts(x):  # noqa: ANN001, ANN201
+def parts(x: list[Any]) -> tuple[Any, ...]:
     """F, its inverse transposed, J^(-2/3), I1, W' and W'' of the isochoric Yeoh law."""
     F = x[0]
     J = det(F)
@@ -40,13 +41,13 @@ def parts(x):  # noqa: ANN001, ANN201
     return F, transpose(inv(F, J)), scale, I1, c1 + 2 * c2 * e + 3 * c3 * e**2, 2 * c2 + 6 * c3 * e
 
 
-def stress(x, **kwargs):  # noqa: ANN001, ANN003, ANN201
+def stress(x: list[Any], **kwargs: Any) -> list[Any]:
     """First Piola-Kirchhoff stress."""
     F, G, scale, I1, W1, _ = parts(x)
     return [2 * W1 * scale * (F - I1 / 3 * G), x[-1]]
 
 
-def elasticity(x, **kwargs):  # noqa: ANN001, ANN003, ANN201
+def elasticity(x: list[Any], **kwargs: Any) -> list[Any]:
     """Its derivative."""
     F, G, scale, I1, W1, W11 = parts(x)
     B = F - I1 / 3 * G
@@ -78,9 +79,7 @@ umat = fem.Material(stress, elasticity)
 silicone = region_of(soft)
 rings = fem.FieldContainer([Field(region_of(stiff), dim=dim)])
 young, poisson = map(float, data["ring_mpa_nu"])
-ring = fem.SolidBody(
-    fem.NeoHooke(mu=young / (2 + 2 * poisson), bulk=young / (3 * (1 - 2 * poisson))), rings
-)
+ring = fem.SolidBody(fem.NeoHooke(mu=young / (2 + 2 * poisson), bulk=young / (3 * (1 - 2 * poisson))), rings)
 if mixed:
     fields = fem.FieldsMixed(silicone, n=3, axisymmetric=flat)
     body = fem.SolidBody(fem.NearlyIncompressible(umat, bulk=bulk), fields)
@@ -123,6 +122,9 @@ while at < 1.0 and not reason:
             body.restore(state)
         reason = "step size" if step < 1e-3 else ""
 axial = field[0].values[:, 0 if flat else 2]
+# (getrusage would count the process that started this one)
+status = Path("/proc/self/status").read_text(encoding="ascii")
+peak_mb = int(status.split("VmHWM:")[1].split()[0]) / 1024
 print(
     json.dumps(
         {
@@ -133,7 +135,7 @@ print(
             "rejected": rejected,
             "setup_s": setup,
             "total_s": time.perf_counter() - begin,
-            "peak_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+            "peak_mb": peak_mb,
             "reason": reason,
         }
     )

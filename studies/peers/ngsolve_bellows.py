@@ -1,22 +1,23 @@
 """The bellows in NGSolve: displacement-pressure elements of any order on tetrahedra or, axisymmetric, triangles.
 
 Usage: python ngsolve_bellows.py MESH.npz '{"order": 2, "first": 0.25, "solver": "pardiso"}'; prints a line of JSON.
-The load is the potential -P V of the closed cavity, so the tangent is symmetric; steps grow and shrink by Newton's count.
+The load is the potential -P V of the closed cavity, so the tangent is symmetric; steps grow and shrink.
 """
 
 import json
 import math
-import resource
 import sys
 import time
+from pathlib import Path
+from typing import Any
 
 import netgen.meshing as ng
 import numpy as np
 from ngsolve import (
     H1,
     BilinearForm,
-    Cof,
     CoefficientFunction,
+    Cof,
     Det,
     GridFunction,
     Id,
@@ -42,11 +43,13 @@ data, options = np.load(sys.argv[1]), json.loads(sys.argv[2])
 SetNumThreads(options.get("threads", 2))
 flat = data["points"].shape[1] == 2
 
-# --- mesh: curved by its own second-order elements -----------------------------------------------
+# --- mesh: a tetrahedral one is curved by its second-order elements, a plane one by a deformation -----------------
+# (Netgen keeps the boundary edges of plane second-order elements straight)
 made = ng.Mesh(dim=2 if flat else 3)
-node = [made.Add(ng.MeshPoint(ng.Pnt(*p, *([0.0] * flat)))) for p in data["points"]]
+corners = 1 + data["cells"][:, : 3 if flat else 4].max()
+node = [made.Add(ng.MeshPoint(ng.Pnt(*p, *([0.0] * flat)))) for p in data["points"][: corners if flat else None]]
 # basix puts the middles of a tetrahedron's edges 23 13 12 03 02 01, Netgen 01 02 03 12 13 23; triangles agree
-order = [0, 1, 2, 3, 4, 5] if flat else [0, 1, 2, 3, 9, 8, 7, 6, 5, 4]
+order = [0, 1, 2] if flat else [0, 1, 2, 3, 9, 8, 7, 6, 5, 4]
 names = ["cavity", "clamped", "axis"]
 for number, name in enumerate(names, start=1):
     made.Add(ng.FaceDescriptor(surfnr=number, domin=1, domout=0, bc=number))
@@ -55,17 +58,31 @@ for region, cell in zip(data["regions"], data["cells"][:, order], strict=True):
     element = [node[i] for i in cell]
     made.Add(ng.Element2D(int(region), element) if flat else ng.Element3D(int(region), element))
 for number, name in enumerate(names, start=1):
-    for facet in data[f"{name}_facets"]:
+    for facet in data[f"{name}_facets"][:, : 2 if flat else 6]:
         element = [node[i] for i in facet]
         made.Add(ng.Element1D(element, index=number) if flat else ng.Element2D(number, element))
 made.SetMaterial(1, "silicone")
 made.SetMaterial(2, "ring")
 mesh = Mesh(made)
+if flat:
+    points, bend, bubble = data["points"], GridFunction(VectorH1(mesh, order=2)), GridFunction(H1(mesh, order=2))
+    middle = {frozenset(c[[i, j]]): c[k] for c in data["cells"] for k, i, j in ((3, 1, 2), (4, 0, 2), (5, 0, 1))}
+    bubble.vec[corners] = 1.0  # the first edge's
+    first, second = (points[v.nr] for v in next(iter(mesh.edges)).vertices)
+    height = bubble(mesh(*(0.5 * (first + second))))
+    for edge in mesh.edges:
+        a, b = (v.nr for v in edge.vertices)
+        offset = points[middle[frozenset((a, b))]] - 0.5 * (points[a] + points[b])
+        for i in range(2):
+            bend.components[i].vec[corners + edge.nr] = offset[i] / height
+    mesh.SetDeformation(bend)
 
 # --- problem ----------------------------------------------------------------------------------------
 k = options.get("order", 2)
-V = VectorH1(mesh, order=k, dirichlet="clamped", dirichletx="axis|clamped") if flat else VectorH1(
-    mesh, order=k, dirichlet="clamped"
+V = (
+    VectorH1(mesh, order=k, dirichlet="clamped", dirichletx="axis|clamped")
+    if flat
+    else VectorH1(mesh, order=k, dirichlet="clamped")
 )
 Q = H1(mesh, order=k - 1, definedon="silicone")
 X = V * Q
@@ -76,7 +93,7 @@ mu, lam = young / (2 + 2 * poisson), young * poisson / ((1 + poisson) * (1 - 2 *
 pressure = Parameter(0.0)
 
 
-def deformation(g):  # noqa: ANN001, ANN201
+def deformation(g: Any) -> Any:
     """F; on a meridian with the hoop stretch."""
     if not flat:
         return g + Id(3)
@@ -105,12 +122,16 @@ state = GridFunction(X)
 
 # --- steps --------------------------------------------------------------------------------------------
 target, at, step, iterations, rejected = float(data["pressure_mpa"]), 0.0, options.get("first", 0.25), 0, 0
-reason, kept = "", state.vec.CreateVector()
+reason, kept, change, last = "", state.vec.CreateVector(), state.vec.CreateVector(), 0.0
+change[:] = 0.0
 setup = time.perf_counter() - begin
 with TaskManager():
-    while at < 1.0 and not reason:
+    while at < 1.0 - 1e-9 and not reason:
         kept.data = state.vec
-        pressure.Set(target * min(1.0, at + step))
+        step = min(step, 1.0 - at)
+        pressure.Set(target * (at + step))
+        if options.get("predict", True) and last:
+            state.vec.data += step / last * change
         try:
             failed, count = Newton(
                 a, state, maxit=12, maxerr=1e-8, inverse=options.get("solver", "pardiso"), printing=False
@@ -122,9 +143,13 @@ with TaskManager():
             state.vec.data, step, rejected = kept, 0.5 * step, rejected + 1
             reason = "step size" if step < 1e-3 else ""
         else:
-            at, step = min(1.0, at + step), step * (1.5 if count <= 6 else 1.0)
+            change.data = state.vec - kept
+            at, last, step = at + step, step, step * (1.5 if count <= 6 else 1.0)
 axial = state.components[0].components[1 if flat else 2].vec.FV().NumPy()  # corner nodes come first
 tip = float(data["tip_weights"] @ axial[data["tip_nodes"]])
+# (getrusage would count the process that started this one)
+status = Path("/proc/self/status").read_text(encoding="ascii")
+peak_mb = int(status.split("VmHWM:")[1].split()[0]) / 1024
 print(
     json.dumps(
         {
@@ -135,7 +160,7 @@ print(
             "rejected": rejected,
             "setup_s": setup,
             "total_s": time.perf_counter() - begin,
-            "peak_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+            "peak_mb": peak_mb,
             "reason": reason,
         }
     )
