@@ -101,6 +101,7 @@ _SETTINGS: dict[str, tuple[tuple[Cells, tuple[dict[str, Any], ...]], ...]] = {
     ),
     "ngsolve": (
         ("tet10", ({"first": 0.25, "predict": False}, {"first": 0.1, "predict": True})),
+        ("hex27", ({"first": 0.25, "predict": False}, {"first": 0.1, "predict": True})),
         ("tri6", ({"first": 0.25, "predict": False}, {"first": 0.1, "predict": True}, {"order": 3, "first": 0.1})),
     ),
     "felupe": (

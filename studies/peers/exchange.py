@@ -154,9 +154,9 @@ def write_peer_mesh(scene: Scene, level: Level, path: Path) -> SolidMesh:
     """Write the mesh, its load and its materials as an .npz.
 
     Arrays: ``points`` (mm), ``cells`` (basix order, positive volumes), ``regions`` (1 silicone, 2 ring),
-    ``cavity_facets``, ``clamped_facets``, ``axis_facets`` (all nodes of each, corners first; the cavity's triangles and
-    edges turn so that their normal leaves the silicone), ``cavity_cells``, ``tip_nodes`` and ``tip_weights`` (of the
-    mean axial displacement of the distal rim), ``yeoh_mpa``, ``ring_mpa_nu``, ``pressure_mpa``.
+    ``cavity_facets``, ``clamped_facets``, ``axis_facets`` (all nodes of each, corners first; the cavity's turn so that
+    their normal leaves the silicone), ``cavity_cells``, ``tip_nodes`` and ``tip_weights`` (of the mean axial
+    displacement of the distal rim), ``yeoh_mpa``, ``ring_mpa_nu``, ``pressure_mpa``.
     """
     mesh = _corners_first(_turned(peer_mesh(scene, level)))
     cavity, owners = facet_nodes(mesh, level.cells, FACETS["cavity"])
@@ -215,9 +215,7 @@ def _corners_first(mesh: SolidMesh) -> SolidMesh:
 
 
 def _outward(mesh: SolidMesh, facets: IntArray, owners: IntArray) -> IntArray:
-    """Edges and triangles turned so that their normal (of an edge, the one to its right) leaves the cell."""
-    if facets.shape[1] not in (3, 6):
-        return facets
+    """Facets turned so that their normal (of an edge, the one to its right) leaves the cell."""
     corners = mesh.points[facets[:, : mesh.dimension]]
     inside = mesh.points[mesh.cells[owners, : mesh.cell.corners]].mean(axis=1) - corners[:, 0]
     first = corners[:, 1] - corners[:, 0]
@@ -226,7 +224,7 @@ def _outward(mesh: SolidMesh, facets: IntArray, owners: IntArray) -> IntArray:
         change = [1, 0, 2]
     else:
         wrong = np.einsum("ki,ki->k", np.cross(first, corners[:, 2] - corners[:, 0]), inside) > 0.0
-        change = [1, 0, 2, 4, 3, 5]
+        change = [1, 0, 2, 4, 3, 5] if facets.shape[1] == 6 else [0, 2, 1, 3, 5, 4, 7, 6, 8]
     turned = facets.copy()
     turned[wrong] = facets[wrong][:, change]
     return turned

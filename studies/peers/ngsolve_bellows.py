@@ -1,4 +1,4 @@
-"""The bellows in NGSolve: displacement-pressure elements of any order on tetrahedra or, axisymmetric, triangles.
+"""The bellows in NGSolve: displacement-pressure elements of any order on tetrahedra or hexahedra; or triangles.
 
 Usage: python ngsolve_bellows.py MESH.npz '{"order": 2, "first": 0.25, "solver": "pardiso"}'; prints a line of JSON.
 The load is the potential -P V of the closed cavity, so the tangent is symmetric; steps grow and shrink.
@@ -43,13 +43,18 @@ data, options = np.load(sys.argv[1]), json.loads(sys.argv[2])
 SetNumThreads(options.get("threads", 2))
 flat = data["points"].shape[1] == 2
 
-# --- mesh: a tetrahedral one is curved by its second-order elements, a plane one by a deformation -----------------
+# --- mesh: one in 3D is curved by its second-order elements, a plane one by a deformation -----------------
 # (Netgen keeps the boundary edges of plane second-order elements straight)
 made = ng.Mesh(dim=2 if flat else 3)
 corners = 1 + data["cells"][:, : 3 if flat else 4].max()
 node = [made.Add(ng.MeshPoint(ng.Pnt(*p, *([0.0] * flat)))) for p in data["points"][: corners if flat else None]]
-# basix puts the middles of a tetrahedron's edges 23 13 12 03 02 01, Netgen 01 02 03 12 13 23; triangles agree
-order = [0, 1, 2] if flat else [0, 1, 2, 3, 9, 8, 7, 6, 5, 4]
+# Basix nodes in Netgen's order of cells and facets: edges are numbered differently; triangles agree
+order = {
+    6: [0, 1, 2],
+    10: [0, 1, 2, 3, 9, 8, 7, 6, 5, 4],
+    27: [0, 1, 5, 4, 2, 3, 7, 6, 8, 16, 10, 12, 13, 19, 14, 15, 9, 11, 18, 17],
+}[data["cells"].shape[1]]
+facet_order = {6: [0, 1], 10: [0, 1, 2, 3, 4, 5], 27: [0, 1, 3, 2, 4, 7, 5, 6]}[data["cells"].shape[1]]
 names = ["cavity", "clamped", "axis"]
 for number, name in enumerate(names, start=1):
     made.Add(ng.FaceDescriptor(surfnr=number, domin=1, domout=0, bc=number))
@@ -58,7 +63,7 @@ for region, cell in zip(data["regions"], data["cells"][:, order], strict=True):
     element = [node[i] for i in cell]
     made.Add(ng.Element2D(int(region), element) if flat else ng.Element3D(int(region), element))
 for number, name in enumerate(names, start=1):
-    for facet in data[f"{name}_facets"][:, : 2 if flat else 6]:
+    for facet in data[f"{name}_facets"][:, facet_order] if len(data[f"{name}_facets"]) else ():
         element = [node[i] for i in facet]
         made.Add(ng.Element1D(element, index=number) if flat else ng.Element2D(number, element))
 made.SetMaterial(1, "silicone")

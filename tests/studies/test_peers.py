@@ -54,11 +54,12 @@ def test_all_codes_get_the_same_body(scene, tmp_path):
     assert volumes["quad9"][1] == pytest.approx(volumes["tri6"][1] * 8.0 / (8.0 - 2.0 * 0.2146 * 0.25), rel=2e-3)
 
 
-def test_pressed_surface_encloses_the_cavity(scene, tmp_path):
-    write_peer_mesh(scene, Level("tet10", 1, 12), tmp_path / "mesh.npz")
+@pytest.mark.parametrize("cells", ["tet10", "hex27"])
+def test_pressed_surface_encloses_the_cavity(scene, tmp_path, cells):
+    write_peer_mesh(scene, Level(cells, 1, 12), tmp_path / "mesh.npz")
     data = np.load(tmp_path / "mesh.npz")
     facets, points = data["cavity_facets"], data["points"]
-    shape = cell_shape(2, 6)
+    shape = cell_shape(2, facets.shape[1])
     at, weights = shape.rule
     values, grads = shape.shape(at)
     tangents = np.einsum("cki,qkd->cqid", points[facets], grads)
