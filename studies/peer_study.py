@@ -100,8 +100,8 @@ _SETTINGS: dict[str, tuple[tuple[Cells, tuple[dict[str, Any], ...]], ...]] = {
         ("tri6", ({"first": 0.25},)),
     ),
     "ngsolve": (
-        ("tet10", ({"first": 0.25, "predict": False}, {"first": 0.1, "predict": True})),
         ("hex27", ({"first": 0.25, "predict": False}, {"first": 0.1, "predict": True})),
+        ("tet10", ({"first": 0.25, "predict": False}, {"first": 0.1, "predict": True})),
         ("tri6", ({"first": 0.25, "predict": False}, {"first": 0.1, "predict": True}, {"order": 3, "first": 0.1})),
     ),
     "felupe": (
@@ -122,8 +122,16 @@ _SETTINGS: dict[str, tuple[tuple[Cells, tuple[dict[str, Any], ...]], ...]] = {
             ),
         ),
     ),
-    "dolfinx_tutorial": (("tet10", ({"steps": 5}, {"steps": 10})), ("tri6", ({"steps": 5}, {"steps": 10}))),
-    "dolfinx_tutorial_default_blas": (("tet10", ({"steps": 5},)), ("tri6", ({"steps": 5},))),
+    "dolfinx_tutorial": (
+        ("hex27", ({"steps": 5}, {"steps": 10})),
+        ("tet10", ({"steps": 5}, {"steps": 10})),
+        ("tri6", ({"steps": 5}, {"steps": 10})),
+    ),
+    "dolfinx_tutorial_default_blas": (
+        ("hex27", ({"steps": 5},)),
+        ("tet10", ({"steps": 5},)),
+        ("tri6", ({"steps": 5},)),
+    ),
 }
 PEERS = tuple(_SETTINGS)
 

@@ -28,7 +28,8 @@ flat = gdim == 2
 
 # --- mesh ----------------------------------------------------------------------------------------------
 named = {"cavity": 1, "clamped": 2, "axis": 3}
-facets = [data[f"{name}_facets"][:, :gdim] for name in named if len(data[f"{name}_facets"])]
+corners = 4 if data["cells"].shape[1] == 27 else gdim  # of a facet
+facets = [data[f"{name}_facets"][:, :corners] for name in named if len(data[f"{name}_facets"])]
 tags = np.repeat([named[n] for n in named if len(data[f"{n}_facets"])], [len(f) for f in facets])
 arrays = SimpleNamespace(
     points=data["points"],
