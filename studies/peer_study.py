@@ -72,7 +72,10 @@ class Attempt:
 
 @dataclass(frozen=True)
 class Measurement:
-    """What came out of it; ``reason`` says why there is no tip at the highest pressure."""
+    """What came out of it; ``reason`` says why there is no tip at the highest pressure.
+
+    ``cpu_s`` is that of all its processes: beside the wall time it shows whether other work was on the cores.
+    """
 
     code: str
     dimension: int
@@ -83,6 +86,7 @@ class Measurement:
     peak_mb: float
     lines: int
     reason: str
+    cpu_s: float = math.nan
 
 
 # Meshes from coarse to fine for each kind of cells.
@@ -243,7 +247,9 @@ class Study:
             write_peer_mesh(self.scene, coarse, small)
             forms = {**attempt.options, "compile_only": True}
             timed(*peer_command(attempt.code, small.absolute(), forms), self.limit_s)
+        before = _cpu_seconds()
         code, wall, output, errors = timed(command, variables, self.limit_s)
+        cpu = _cpu_seconds() - before
         lines = lines_to_write(script_of(attempt.code))
         said = last_json(output)
         if said is None:
@@ -262,13 +268,14 @@ class Study:
             said["peak_mb"],
             lines,
             said["reason"],
+            cpu,
         )
 
     def _ours(self, attempt: Attempt) -> Measurement:
         options = attempt.options
         text = _scene_text(self.text, options)
         ranks = options["ranks"]
-        wall, reason, tip, unknowns, peak = math.nan, "", math.nan, 0, math.nan
+        wall, reason, tip, unknowns, peak, cpu = math.nan, "", math.nan, 0, math.nan, math.nan
         with tempfile.TemporaryDirectory() as folder:
             scene = Path(folder, "scene.toml")
             scene.write_text(text, encoding="utf-8")
@@ -278,7 +285,9 @@ class Study:
                 command = [sys.executable, "-m", "studies", "solve", str(scene), "--out", str(out)]
                 command += ["--rung", options["rung"]] if options["rung"] else []
                 command = [*TWO_RANKS, *command] if ranks == 2 else command
+                before = _cpu_seconds()
                 code, wall, output, errors = timed(command, _variables(2 // ranks), self.limit_s)
+                cpu = _cpu_seconds() - before
                 if code != 0:
                     reason = _why(code, wall, errors or output)
                     break
@@ -288,7 +297,7 @@ class Study:
                 tip = float(dict(zip(last[0].split(","), last[-1].split(","), strict=True))["tip_mm"])
                 unknowns, peak = summary["dofs"], summary["peak_mb"]
         label = attempt.label
-        return Measurement("ours", attempt.dimension, label, tip, unknowns, wall, peak, lines, reason)
+        return Measurement("ours", attempt.dimension, label, tip, unknowns, wall, peak, lines, reason, cpu)
 
 
 def _scene_text(text: str, options: dict[str, Any]) -> str:
@@ -354,6 +363,12 @@ def timed(command: Sequence[str], variables: dict[str, str], limit_s: float) -> 
         return None, time.perf_counter() - begin, "", ""
 
 
+def _cpu_seconds() -> float:
+    """Seconds that ended children have spent on cores, theirs included."""
+    spent = os.times()
+    return spent.children_user + spent.children_system
+
+
 def last_json(output: str) -> dict[str, Any] | None:
     """The last line of an output that is a JSON object."""
     for line in reversed(output.splitlines()):
@@ -385,6 +400,7 @@ def comparison_rows(
         at = (scene, pressure_kpa, rung, m.label, status)
         rows.append(_row(at, "tip_mm", "mm", m.tip_mm, reference_mm, source))
         rows.append(_row(at, "wall_s", "s", m.wall_s))
+        rows.append(_row(at, "cpu_s", "s", m.cpu_s))
         rows.append(_row(at, "peak_mb", "MB", m.peak_mb))
         rows.append(_row(at, "unknowns", "1", m.unknowns))
         rows.append(_row(at, "lines_to_write", "1", m.lines))
@@ -434,12 +450,12 @@ def reference_tip(scene: Scene, out: Path) -> tuple[float, float]:
 def table(measured: Sequence[Measurement], reference_mm: float) -> str:
     """The measurements as text."""
     lines = [
-        f"{'code':30s} {'run':52s} {'tip mm':>9s} {'error %':>8s} {'wall s':>8s} {'MB':>6s} {'unknowns':>8s} lines"
+        f"{'code':30s} {'run':52s} {'tip mm':>9s} {'error %':>8s} {'wall s':>8s} {'CPU s':>8s} {'MB':>6s} {'unknowns':>8s} lines"
     ]
     for m in sorted(measured, key=lambda m: (m.dimension, m.code, m.wall_s)):
         error = 100.0 * (m.tip_mm / reference_mm - 1.0)
         lines.append(
-            f"{m.code:30s} {m.label:52s} {m.tip_mm:9.4f} {error:8.3f} {m.wall_s:8.1f} {m.peak_mb:6.0f} "
+            f"{m.code:30s} {m.label:52s} {m.tip_mm:9.4f} {error:8.3f} {m.wall_s:8.1f} {m.cpu_s:8.1f} {m.peak_mb:6.0f} "
             f"{m.unknowns:8d} {m.lines:5d} {m.reason}"
         )
     return "\n".join(lines)
