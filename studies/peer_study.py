@@ -449,9 +449,8 @@ def reference_tip(scene: Scene, out: Path) -> tuple[float, float]:
 
 def table(measured: Sequence[Measurement], reference_mm: float) -> str:
     """The measurements as text."""
-    lines = [
-        f"{'code':30s} {'run':52s} {'tip mm':>9s} {'error %':>8s} {'wall s':>8s} {'CPU s':>8s} {'MB':>6s} {'unknowns':>8s} lines"
-    ]
+    heads = f"{'tip mm':>9s} {'error %':>8s} {'wall s':>8s} {'CPU s':>8s} {'MB':>6s} {'unknowns':>8s} lines"
+    lines = [f"{'code':30s} {'run':52s} {heads}"]
     for m in sorted(measured, key=lambda m: (m.dimension, m.code, m.wall_s)):
         error = 100.0 * (m.tip_mm / reference_mm - 1.0)
         lines.append(
