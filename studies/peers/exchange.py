@@ -1,0 +1,240 @@
+"""The mesh of the peers' problem as plain arrays in a file, the same for every code.
+
+Rings are meshed as one more, stiff, region. Tetrahedra and triangles are those of this program's own runs; hexahedra
+and quadrilaterals are its swept meridian with the rings added as structured blocks on the seats (a rectangle: their
+rounded outer edges carry nothing).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from meshes.cells import HEXAHEDRON_NODES, QUADRILATERAL_NODES, TETRAHEDRON_EDGES, TRIANGLE_EDGES
+from meshes.meridian import default_resolution, meridian_mesh
+from meshes.quality import jacobians
+from meshes.revolve import revolve
+from meshes.solid import FACETS, REGIONS, FloatArray, IntArray, SolidMesh
+from meshes.sweep import revolve_hexahedra
+from studies.build import Tip
+from studies.scene import Scene, law_of, ring_material, ring_shape, shape_of
+
+Cells = Literal["tri6", "quad9", "tet10", "hex27"]
+# Cells through the height of a ring block.
+RING_LAYERS = 2
+# Region numbers in the file.
+SOFT, STIFF = 1, 2
+
+
+@dataclass(frozen=True)
+class Level:
+    """Cells, refinement of the meridian and, in 3D, cells round the circumference."""
+
+    cells: Cells
+    meridian: int
+    around: int = 0
+
+    @property
+    def name(self) -> str:
+        """For instance ``tet10-n12r2``."""
+        return f"{self.cells}-" + (f"n{self.around}" if self.around else "") + f"r{self.meridian}"
+
+
+def peer_mesh(scene: Scene, level: Level) -> SolidMesh:
+    """The mesh of a scene with meshed rings.
+
+    Raises
+    ------
+    GeometryError
+        If the shape cannot be meshed so.
+    """
+    shape = shape_of(scene)
+    if level.cells in ("tri6", "tet10"):
+        resolution = default_resolution(shape, level.meridian, "triangles")
+        meridian = meridian_mesh(shape, resolution, ring_shape(scene), "triangles")
+        return meridian if level.cells == "tri6" else revolve(meridian, level.around)
+    resolution = default_resolution(shape, level.meridian, "quadrilaterals")
+    bare = meridian_mesh(shape, resolution, None, "quadrilaterals")
+    meridian = with_ring_blocks(bare, scene.rings.height_mm, RING_LAYERS * level.meridian)
+    return meridian if level.cells == "quad9" else revolve_hexahedra(meridian, level.around)
+
+
+def with_ring_blocks(meridian: SolidMesh, height_mm: float, layers: int) -> SolidMesh:
+    """A meridian of quadrilaterals with a rectangular block of them on every seat, sharing its nodes.
+
+    Parameters
+    ----------
+    meridian
+        Nine-node quadrilaterals whose seats are the surface ``bond``.
+    height_mm
+        Radial height of the blocks.
+    layers
+        Cells through it.
+
+    Returns
+    -------
+    SolidMesh
+        Without the surface ``bond``, which is inside now.
+    """
+    bond = meridian.facet_tags == FACETS["bond"]
+    points, cells = [meridian.points], [meridian.cells]
+    edges: list[IntArray] = []
+    count = len(meridian.points)
+    middle = _edge_middles(meridian)
+    for body in np.unique(meridian.facet_bodies[bond]):
+        ends = meridian.facets[bond & (meridian.facet_bodies == body)]
+        ends = ends[np.argsort(meridian.points[ends, 1].mean(axis=1))]
+        seat: list[int] = []
+        for pair in ends:  # corners and middles along the seat, upwards
+            low, high = sorted(pair, key=lambda node: meridian.points[node, 1])
+            seat += ([low] if not seat else []) + [middle[frozenset((int(low), int(high)))], high]
+        rows = 2 * layers + 1
+        grid = np.empty((len(seat), rows), dtype=np.int64)
+        grid[:, 0] = seat
+        grid[:, 1:] = count + np.arange(len(seat) * (rows - 1)).reshape(len(seat), rows - 1)
+        count += len(seat) * (rows - 1)
+        rise = np.linspace(0.0, height_mm, rows)[1:]
+        r, z = meridian.points[seat].T
+        points.append(np.stack([r[:, None] + rise, np.repeat(z[:, None], rows - 1, axis=1)], axis=-1).reshape(-1, 2))
+        lattice = [grid[a : len(seat) - 2 + a : 2, b : rows - 2 + b : 2].ravel() for a, b in QUADRILATERAL_NODES]
+        cells.append(np.stack(lattice, axis=1))
+        edges += [np.column_stack([side[:-2:2], side[2::2]]) for side in (grid[0], grid[:, -1], grid[-1])]
+    rings = sum(map(len, cells[1:]))
+    free = np.sort(np.vstack(edges), axis=1)
+    return replace(
+        meridian,
+        points=np.vstack(points),
+        cells=np.vstack(cells),
+        regions=np.concatenate([meridian.regions, np.full(rings, REGIONS["ring"])]),
+        facets=np.vstack([meridian.facets[~bond], free]),
+        facet_tags=np.concatenate([meridian.facet_tags[~bond], np.full(len(free), FACETS["outer"])]),
+        facet_bodies=np.full(int((~bond).sum()) + len(free), -1),
+    )
+
+
+def _edge_middles(meridian: SolidMesh) -> dict[frozenset[int], int]:
+    """Node in the middle of each edge of nine-node quadrilaterals, by its corners."""
+    table = {}
+    for (a, b), m in zip(((0, 1), (0, 2), (1, 3), (2, 3)), (4, 5, 6, 7), strict=True):
+        for low, high, node in meridian.cells[:, [a, b, m]]:
+            table[frozenset((int(low), int(high)))] = int(node)
+    return table
+
+
+def local_faces(cells: Cells) -> IntArray:
+    """Local nodes of each facet of a cell in basix order, corners first, then the others: shape (facets, nodes)."""
+    if cells == "tri6":
+        return np.array([[*edge, 3 + k] for k, edge in enumerate(TRIANGLE_EDGES)])
+    if cells == "tet10":
+        number = {frozenset(edge): 4 + k for k, edge in enumerate(TETRAHEDRON_EDGES)}
+        corners = [[i for i in range(4) if i != out] for out in range(4)]
+        pairs = [(1, 2), (0, 2), (0, 1)]  # as of a triangle in basix order
+        return np.array([[*c, *(number[frozenset((c[i], c[j]))] for i, j in pairs)] for c in corners])
+    lattice = QUADRILATERAL_NODES if cells == "quad9" else HEXAHEDRON_NODES
+    sides = [(axis, end) for axis in range(lattice.shape[1]) for end in (0, 2)]
+    return np.array([np.flatnonzero(lattice[:, axis] == end) for axis, end in sides])  # corners come first in basix
+
+
+def facet_nodes(mesh: SolidMesh, cells: Cells, tag: int) -> tuple[IntArray, IntArray]:
+    """All nodes of the facets of a surface, (k, nodes), and the cell each belongs to, (k,)."""
+    faces, corners = local_faces(cells), mesh.facets.shape[1]
+    every = mesh.cells[:, faces]  # (cells, facets, nodes)
+    keys = np.sort(every[:, :, :corners].reshape(-1, corners), axis=1)
+    wanted = np.sort(mesh.facets[mesh.facet_tags == tag], axis=1)
+    _, back = np.unique(np.vstack([wanted, keys]), axis=0, return_inverse=True)
+    back = back.ravel()
+    hit = np.flatnonzero(np.isin(back[len(wanted) :], back[: len(wanted)]))
+    return every.reshape(-1, faces.shape[1])[hit], hit // len(faces)
+
+
+def write_peer_mesh(scene: Scene, level: Level, path: Path) -> SolidMesh:
+    """Write the mesh, its load and its materials as an .npz.
+
+    Arrays: ``points`` (mm), ``cells`` (basix order, positive volumes), ``regions`` (1 silicone, 2 ring),
+    ``cavity_facets``, ``clamped_facets``, ``axis_facets`` (all nodes of each, corners first; the cavity's turn so that
+    their normal leaves the silicone), ``cavity_cells``, ``tip_nodes`` and ``tip_weights`` (of the mean axial
+    displacement of the distal rim), ``yeoh_mpa``, ``ring_mpa_nu``, ``pressure_mpa``.
+    """
+    mesh = _corners_first(_turned(peer_mesh(scene, level)))
+    cavity, owners = facet_nodes(mesh, level.cells, FACETS["cavity"])
+    clamped = facet_nodes(mesh, level.cells, FACETS["clamped"])[0]
+    axis = facet_nodes(mesh, level.cells, FACETS["axis"])[0]
+    nodes, weights = tip_weights(scene, mesh)
+    ring = ring_material(scene)
+    law = law_of(scene.material)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    np.savez(
+        path,
+        points=mesh.points,
+        cells=mesh.cells,
+        regions=np.where(mesh.regions == REGIONS["ring"], STIFF, SOFT),
+        cavity_facets=_outward(mesh, cavity, owners),
+        cavity_cells=owners,
+        clamped_facets=clamped,
+        axis_facets=axis,
+        tip_nodes=nodes,
+        tip_weights=weights,
+        yeoh_mpa=np.array(getattr(law, "c_mpa")),  # noqa: B009 (the peers' law is Yeoh's)
+        ring_mpa_nu=np.array([ring.young_mpa, ring.poisson]),
+        pressure_mpa=scene.pressures_mpa[-1],
+    )
+    return mesh
+
+
+def _turned(mesh: SolidMesh) -> SolidMesh:
+    """Cells of positive measure: a negative one is renumbered as its mirror image."""
+    nodes = mesh.cells.shape[1]
+    if nodes in (6, 10):
+        # of a triangle 1, 2 and the middles opposite to them; of a tetrahedron 2, 3 and the middles 12-13, 02-03
+        change = [0, 2, 1, 3, 5, 4] if nodes == 6 else [0, 1, 3, 2, 4, 6, 5, 8, 7, 9]
+    else:
+        lattice = (QUADRILATERAL_NODES if nodes == 9 else HEXAHEDRON_NODES).tolist()
+        change = [lattice.index([*head, 2 - last]) for *head, last in lattice]
+    cells = mesh.cells.copy()
+    negative = jacobians(mesh.points, cells).mean(axis=1) < 0.0
+    cells[negative] = cells[negative][:, change]
+    return replace(mesh, cells=cells)
+
+
+def _corners_first(mesh: SolidMesh) -> SolidMesh:
+    """The mesh with its corners numbered before all other nodes: some codes do that by themselves."""
+    corners = mesh.corners
+    old = np.concatenate([corners, np.setdiff1d(np.arange(len(mesh.points)), corners)])
+    new = np.empty_like(old)
+    new[old] = np.arange(len(old))
+    return replace(
+        mesh,
+        points=mesh.points[old],
+        cells=new[mesh.cells],
+        facets=new[mesh.facets],
+        tip_centre_node=int(new[mesh.tip_centre_node]),
+    )
+
+
+def _outward(mesh: SolidMesh, facets: IntArray, owners: IntArray) -> IntArray:
+    """Facets turned so that their normal (of an edge, the one to its right) leaves the cell."""
+    corners = mesh.points[facets[:, : mesh.dimension]]
+    inside = mesh.points[mesh.cells[owners, : mesh.cell.corners]].mean(axis=1) - corners[:, 0]
+    first = corners[:, 1] - corners[:, 0]
+    if mesh.dimension == 2:
+        wrong = first[:, 1] * inside[:, 0] - first[:, 0] * inside[:, 1] > 0.0
+        change = [1, 0, 2]
+    else:
+        wrong = np.einsum("ki,ki->k", np.cross(first, corners[:, 2] - corners[:, 0]), inside) > 0.0
+        change = [1, 0, 2, 4, 3, 5] if facets.shape[1] == 6 else [0, 2, 1, 3, 5, 4, 7, 6, 8]
+    turned = facets.copy()
+    turned[wrong] = facets[wrong][:, change]
+    return turned
+
+
+def tip_weights(scene: Scene, mesh: SolidMesh) -> tuple[IntArray, FloatArray]:
+    """Nodes and weights whose sum with the axial displacements is ``tip_mm`` as this program defines it."""
+    tip = Tip(scene, mesh)
+    facets, weight = tip._facets, tip._weight
+    nodes, back = np.unique(facets, return_inverse=True)
+    spread = np.repeat(weight / facets.shape[1], facets.shape[1])
+    summed = np.bincount(back.ravel(), weights=spread)
+    return np.asarray(nodes, dtype=np.int64), np.asarray(summed, dtype=np.float64)

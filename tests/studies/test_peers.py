@@ -1,0 +1,184 @@
+"""Other codes on the same problem: the meshes they get, FEBio's deck, ratios of times, and what is skipped."""
+
+import json
+import math
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+
+from analytical.materials import PLA
+from meshes.cells import cell_shape
+from studies import peer_study
+from studies.peer_fronts import Point, best, floored, front, ratio_at_equal_error, ratio_to_fastest, time_at
+from studies.peer_study import Measurement, comparison_rows, last_json, lines_to_write, peer_command, timed
+from studies.peers import environment
+from studies.peers.exchange import Level, peer_mesh, write_peer_mesh
+from studies.peers.febio_deck import write_febio_deck
+from studies.scene import load_scene
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return load_scene(peer_study.SCENE)
+
+
+def measure(points, cells):
+    shape = cell_shape(points.shape[1], cells.shape[1])
+    at, weights = shape.rule
+    values, grads = shape.shape(at)
+    jacobian = np.linalg.det(np.einsum("cki,qkd->cqid", points[cells], grads))
+    assert jacobian.min() > 0.0
+    if points.shape[1] == 2:  # swept round
+        jacobian = jacobian * 2.0 * np.pi * np.einsum("ck,qk->cq", points[cells][:, :, 0], values)
+    return (jacobian * weights).sum()
+
+
+def test_all_codes_get_the_same_body(scene, tmp_path):
+    volumes = {}
+    for level in (Level("tri6", 2), Level("quad9", 2), Level("tet10", 1, 12), Level("hex27", 1, 12)):
+        write_peer_mesh(scene, level, tmp_path / f"{level.name}.npz")
+        data = np.load(tmp_path / f"{level.name}.npz")
+        soft, stiff = (data["cells"][data["regions"] == k] for k in (1, 2))
+        volumes[level.cells] = [measure(data["points"], cells) for cells in (soft, stiff)]
+        assert data["tip_weights"].sum() == pytest.approx(1.0)
+        assert np.allclose(data["points"][data["tip_nodes"], -1], data["points"][:, -1].max())
+        assert np.allclose(data["points"][np.unique(data["clamped_facets"]), -1], 0.0)
+        assert data["ring_mpa_nu"].tolist() == [PLA.young_mpa, PLA.poisson]
+        assert data["pressure_mpa"] == pytest.approx(0.01)
+        corners = np.unique(data["cells"][:, : cell_shape(data["points"].shape[1], data["cells"].shape[1]).corners])
+        assert corners.tolist() == list(range(len(corners)))  # codes that number corners first keep these numbers
+    soft = [v[0] for v in volumes.values()]
+    assert soft == pytest.approx([soft[0]] * 4, rel=2e-3)
+    # the blocks' outer edges are not rounded: 2 (1 - pi/4) r^2 of the section
+    assert volumes["quad9"][1] == pytest.approx(volumes["tri6"][1] * 8.0 / (8.0 - 2.0 * 0.2146 * 0.25), rel=2e-3)
+
+
+@pytest.mark.parametrize("cells", ["tet10", "hex27"])
+def test_pressed_surface_encloses_the_cavity(scene, tmp_path, cells):
+    write_peer_mesh(scene, Level(cells, 1, 12), tmp_path / "mesh.npz")
+    data = np.load(tmp_path / "mesh.npz")
+    facets, points = data["cavity_facets"], data["points"]
+    shape = cell_shape(2, facets.shape[1])
+    at, weights = shape.rule
+    values, grads = shape.shape(at)
+    tangents = np.einsum("cki,qkd->cqid", points[facets], grads)
+    normal = np.cross(tangents[..., 0], tangents[..., 1])
+    place = np.einsum("cki,qk->cqi", points[facets], values)
+    volume = -((normal * place).sum(axis=-1) * weights).sum() / 3.0  # out of the silicone is into the cavity
+    write_peer_mesh(scene, Level("tri6", 2), tmp_path / "meridian.npz")
+    data = np.load(tmp_path / "meridian.npz")
+    r, z = np.moveaxis(data["points"][data["cavity_facets"]], -1, 0)
+    # Simpson over each parabola: out of the silicone is to the right of the edge, so the cavity is to its right
+    start, end, middle = (np.pi * r[:, k] ** 2 for k in range(3))
+    slopes = np.stack([4 * z[:, 2] - 3 * z[:, 0] - z[:, 1], 3 * z[:, 1] + z[:, 0] - 4 * z[:, 2], z[:, 1] - z[:, 0]])
+    meridian = -(start * slopes[0] + end * slopes[1] + 4 * middle * slopes[2]).sum() / 6.0
+    assert volume == pytest.approx(meridian, rel=3e-3)
+
+
+def test_cells_of_a_ring_block_share_the_seat(scene):
+    mesh = peer_mesh(scene, Level("quad9", 1))
+    rings = mesh.cells[mesh.regions == 3]
+    assert len(rings) % (scene.geometry.convolutions + 1) == 0
+    shared = np.intersect1d(rings, mesh.cells[mesh.regions != 3])
+    seats = mesh.points[shared]
+    assert np.allclose(seats[:, 0], scene.geometry.crest_radius_mm + scene.geometry.wall_mm)
+    assert np.ptp(seats[:, 1]) > 2 * scene.geometry.half_pitch_mm
+
+
+def test_febio_deck_is_well_formed_and_whole(scene, tmp_path):
+    write_peer_mesh(scene, Level("tet10", 1, 8), tmp_path / "mesh.npz")
+    data = np.load(tmp_path / "mesh.npz")
+    write_febio_deck(tmp_path / "mesh.npz", tmp_path / "deck.feb")
+    root = ET.parse(tmp_path / "deck.feb").getroot()
+    assert (root.tag, root.get("version")) == ("febio_spec", "4.0")
+    assert len(root.findall("Mesh/Nodes/node")) == len(data["points"])
+    elements = {e.get("name"): e.findall("elem") for e in root.findall("Mesh/Elements")}
+    assert {k: len(v) for k, v in elements.items()} == {
+        "silicone": (data["regions"] == 1).sum(),
+        "ring": (data["regions"] == 2).sum(),
+    }
+    assert len(root.findall("Mesh/Surface/tri6")) == len(data["cavity_facets"])
+    # each middle node lies between the corners FEBio takes it to belong to
+    points = data["points"]
+    for elem in elements["silicone"][::500]:
+        n = [int(t) - 1 for t in (elem.text or "").split(",")]
+        for middle, (a, b) in zip(n[4:], ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)), strict=True):
+            chord = np.linalg.norm(points[n[a]] - points[n[b]])
+            assert np.linalg.norm(points[middle] - 0.5 * (points[n[a]] + points[n[b]])) < 0.25 * chord
+    assert (tmp_path / "deck.weights.txt").exists()
+    write_peer_mesh(scene, Level("hex27", 1, 8), tmp_path / "hex.npz")
+    with pytest.raises(ValueError, match="27 nodes"):
+        write_febio_deck(tmp_path / "hex.npz", tmp_path / "deck.feb")
+
+
+def test_best_is_the_fastest_of_the_smallest_error():
+    points = floored([Point(100.0, 0.002), Point(50.0, -0.009), Point(10.0, 0.5)], 0.01)
+    assert best(points) == Point(50.0, 0.01)
+    assert best([]) is None
+
+
+def test_time_at_an_error_is_read_off_the_front():
+    points = [Point(1.0, 1.0), Point(10.0, 0.1), Point(30.0, 0.4), Point(100.0, 0.01)]
+    assert front(points) == [Point(1.0, 1.0), Point(10.0, 0.1), Point(100.0, 0.01)]
+    assert time_at(points, 0.1) == pytest.approx(10.0)
+    assert time_at(points, math.sqrt(0.1)) == pytest.approx(math.sqrt(10.0))
+    assert time_at(points, 5.0) == 1.0
+    assert math.isnan(time_at(points, 0.001))
+
+
+def test_ratios():
+    ours = [Point(8.0, 0.2), Point(40.0, 0.02), Point(2.0, 3.0)]
+    peers = {"a": [Point(20.0, 5.0), Point(200.0, 0.2)], "b": [Point(100.0, 1.0)]}
+    assert ratio_to_fastest(ours, peers, 1.0) == pytest.approx(8.0 / 100.0)
+    assert ratio_at_equal_error(ours, peers) == pytest.approx((0.2, 8.0 / 200.0))
+    assert math.isnan(ratio_to_fastest([Point(1.0, 2.0)], peers, 1.0))
+    assert math.isnan(ratio_to_fastest(ours, {}, 1.0))
+    assert all(map(math.isnan, ratio_at_equal_error([], peers)))
+
+
+def test_rows_hold_errors_times_and_ratios():
+    measured = [
+        Measurement("ours", 3, "hex", 99.5, 1000, 8.0, 500.0, 33, ""),
+        Measurement("calculix", 3, "coarse", 98.0, 900, 160.0, 200.0, 92, ""),
+        Measurement("felupe", 3, "fine", math.nan, 0, 1200.0, math.nan, 110, "stopped after 1200 s"),
+    ]
+    rows = comparison_rows("s", 10.0, 100.0, "reference", measured)
+    found = {(r.rung, r.quantity): r for r in rows}
+    assert found["peer_calculix", "tip_mm"].error_percent == pytest.approx(-2.0)
+    assert found["peer_felupe", "tip_mm"].status == "stopped after 1200 s"
+    assert found["full3d", "lines_to_write"].value == 33
+    assert found["full3d", "time_ratio_full3d_to_fastest_peer"].value == pytest.approx(0.05)
+    assert found["full3d", "time_ratio_full3d_at_equal_error"].value == pytest.approx(0.05)
+    assert found["axisymmetric", "time_ratio_axisymmetric_to_fastest_peer"].status.startswith("not measured")
+
+
+def test_missing_peers_are_named(tmp_path, monkeypatch):
+    assert "python -m studies.peers.environment" in environment.missing("ngsolve", tmp_path / "none")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert "calculix-ccx" in environment.missing("calculix")
+    assert environment.missing("ours") == ""
+
+
+def test_a_run_over_its_limit_is_stopped_with_its_children(tmp_path):
+    code, wall, _, _ = timed(["sh", "-c", "sleep 60 & sleep 60"], {}, 0.5)
+    assert code is None and wall < 15.0
+    code, _, output, _ = timed(["sh", "-c", "echo noise; echo '{\"tip_mm\": 1}'; echo done"], {}, 10.0)
+    assert code == 0 and last_json(output) == {"tip_mm": 1}
+    assert last_json("nothing") is None
+
+
+def test_lines_are_those_a_user_writes(tmp_path):
+    script = tmp_path / "a.py"
+    script.write_text('"""Title.\n\nText.\n"""\n\n# why\nx = 1\n\n\ndef f():\n    """Say."""\n    return x\n')
+    assert lines_to_write(script) == 3
+    scene = tmp_path / "a.toml"
+    scene.write_text("# title\n[a]\n\nb = 1  # unit\n")
+    assert lines_to_write(scene) == 2
+
+
+def test_options_reach_the_scripts(tmp_path):
+    command, variables = peer_command("calculix", tmp_path / "m.npz", {"first": 0.1})
+    assert json.loads(command[-1]) == {"first": 0.1} and variables["OMP_NUM_THREADS"] == "2"
+    for attempt in peer_study.attempts(peer_study.PEERS, [2, 3]):
+        assert attempt.level is not None and peer_study.script_of(attempt.code).exists()
