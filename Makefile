@@ -110,6 +110,19 @@ study-sweep: check ## elongation over R_i, t and n; where the closed form mislea
 sweep: check ## run all scenes of SWEEP, a sweep file -> results/sweeps/NAME
 	$(LAUNCH) -m studies sweep $(SWEEP) --out results/sweeps/$(basename $(notdir $(SWEEP)))
 
+.PHONY: study-stability
+study-stability: check ## stress test: hundreds of cells, none may be a wrong answer -> results/stability
+	$(LAUNCH) -m studies stability --out results/stability
+
+.PHONY: study-peers
+study-peers: check ## the same bellows in CalculiX, NGSolve, FElupe and the tutorial way; hours -> results/peers
+	$(PYTHON) -m studies.peers.environment
+	$(PYTHON) -m studies.peer_study --out results/peers
+
+.PHONY: study-cost
+study-cost: check ## run time against error of every model, mesh and way of stepping -> results/cost
+	$(PYTHON) -m studies.cost_study --out results/cost
+
 .PHONY: study-smoke
 study-smoke: check ## two convolutions by every model, in a minute -> results/study-smoke
 	$(LAUNCH) -m studies smoke --out results/study-smoke

@@ -29,6 +29,7 @@ from studies import (
     provenance,
     session,
     solver_benchmark,
+    stability_study,
     sweep,
     sweep_study,
 )
@@ -244,6 +245,16 @@ def sweep_study_command(out: Path) -> None:
     outcome = sweep_study.write_sweep_study(out, MPI.COMM_WORLD)
     _out(f"report: {out / 'report.html'}")
     sys.exit(0 if outcome.reached else STOPPED)
+
+
+@main.command("stability")
+@OUT_OPTION
+def stability_command(out: Path) -> None:
+    """Push bodies along the axes on which solvers break; the exit code is 3 if any cell is a wrong answer."""
+    _writable(out)
+    report, ok = stability_study.write_study(out, MPI.COMM_WORLD, click.echo)
+    _out(f"report: {report}")
+    sys.exit(0 if ok else STOPPED)
 
 
 @main.command()
