@@ -40,8 +40,9 @@ SCRIPTS = provenance.ROOT / "studies" / "peers"
 # What a run may take, s, and what our own must hold, percent.
 TIME_LIMIT_S, ALLOWED_PERCENT = 1200.0, 1.0
 REFERENCE_LEVELS = (4, 8)
-# Both sides of the reference are known to this, percent: finest meridians, meshed against rigid rings.
-REFERENCE_PERCENT = 0.01
+# The reference is known to this, percent: what the finest triangles with meshed rings and the finest quadrilaterals
+# with rigid ones differ by, with room (0.0125 at 10 kPa on r8).
+REFERENCE_PERCENT = 0.02
 TWO_RANKS = ("/usr/bin/mpirun", "-n", "2")
 
 
@@ -211,20 +212,26 @@ class Study:
         (out / "measured").mkdir(parents=True, exist_ok=True)
 
     def measure(self, attempt: Attempt) -> Measurement:
-        """A measurement, kept or new."""
-        kept = self.out / "measured" / f"{self._key(attempt)}.json"
-        if kept.exists():
-            found = Measurement(**json.loads(kept.read_text(encoding="utf-8")))
-            if not found.reason.startswith("stopped after") or found.wall_s >= self.limit_s:
-                return found
+        """A measurement, kept or new; one that was stopped earlier than now allowed is made anew."""
+        found = self.kept(attempt)
+        if found is not None and not self.pending(attempt):
+            return found
         made = self._ours(attempt) if attempt.code == "ours" else self._peer(attempt)
-        kept.write_text(json.dumps(asdict(made), indent=1) + "\n", encoding="utf-8")
+        self._file(attempt).write_text(json.dumps(asdict(made), indent=1) + "\n", encoding="utf-8")
         return made
+
+    def pending(self, attempt: Attempt) -> bool:
+        """True if it would have to be made."""
+        found = self.kept(attempt)
+        return found is None or (found.reason.startswith("stopped after") and found.wall_s < self.limit_s)
 
     def kept(self, attempt: Attempt) -> Measurement | None:
         """A measurement that is there already."""
-        path = self.out / "measured" / f"{self._key(attempt)}.json"
+        path = self._file(attempt)
         return Measurement(**json.loads(path.read_text(encoding="utf-8"))) if path.exists() else None
+
+    def _file(self, attempt: Attempt) -> Path:
+        return self.out / "measured" / f"{self._key(attempt)}.json"
 
     def _key(self, attempt: Attempt) -> str:
         physics = self.scene.model_dump(mode="json", exclude={"name", "ask"})
@@ -354,13 +361,21 @@ def timed(command: Sequence[str], variables: dict[str, str], limit_s: float) -> 
         output, errors = child.communicate(timeout=limit_s)
         return child.returncode, time.perf_counter() - begin, output, errors
     except subprocess.TimeoutExpired:
-        os.killpg(child.pid, signal.SIGTERM)
-        try:
-            child.communicate(timeout=10.0)
-        except subprocess.TimeoutExpired:
-            os.killpg(child.pid, signal.SIGKILL)
-            child.communicate()
+        _end(child)
         return None, time.perf_counter() - begin, "", ""
+    except BaseException:  # interrupted: leave nothing running
+        _end(child)
+        raise
+
+
+def _end(child: subprocess.Popen[str]) -> None:
+    """End a child and its children."""
+    os.killpg(child.pid, signal.SIGTERM)
+    try:
+        child.communicate(timeout=10.0)
+    except subprocess.TimeoutExpired:
+        os.killpg(child.pid, signal.SIGKILL)
+        child.communicate()
 
 
 def _cpu_seconds() -> float:
@@ -471,6 +486,7 @@ def main(
     out: Path, codes: tuple[str, ...], dimensions: tuple[str, ...], limit: float, levels: int, budget: float
 ) -> None:
     """Measure the peers and this program on scenes/peers/bellows.toml; write rows.csv."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that a run on its way is ended too
     begin = time.perf_counter()
     scene = load_scene(SCENE)
     study = Study(scene, SCENE.read_text(encoding="utf-8"), out, limit)
@@ -482,7 +498,7 @@ def main(
         click.echo(f"{code}: skipped: {why}")
     here = [code for code in chosen if code not in gone]
     for attempt in attempts(here, [int(d) for d in dimensions] or [2, 3], levels):
-        if study.kept(attempt) is None and time.perf_counter() - begin > budget:
+        if study.pending(attempt) and time.perf_counter() - begin > budget:
             continue
         m = study.measure(attempt)
         click.echo(f"{m.code} {m.label}: {m.tip_mm:.4f} mm, {m.wall_s:.1f} s {m.reason}")
