@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -17,6 +18,8 @@ TUBE, BELLOWS, ACTUATOR = "exact/tube", "peers/bellows", "heung-t2-ri5"
 BODIES = (TUBE, BELLOWS, ACTUATOR)
 # The actuator is asked for its last pressure only: the study is about what a state costs.
 ACTUATOR_KPA = (20.0,)
+# Share of its wall time in which other processes may compute without disturbing a measurement.
+QUIET = 0.1
 # Linear elements without a pressure need a compressible material.
 P1_KAPPA_OVER_MU = 1000.0
 
@@ -82,6 +85,8 @@ class Measurement:
         Wall seconds by activity; ``axisymmetric start`` is the whole of the run that a warm body starts from.
     status
         ``reached``, or why not.
+    others_s
+        CPU seconds that other processes, or other machines on the same host, took meanwhile; NaN if not known.
     """
 
     value: float
@@ -95,6 +100,12 @@ class Measurement:
     compile_s: float
     split_s: dict[str, float] = field(hash=False)
     status: str
+    others_s: float = math.nan
+
+    @property
+    def disturbed(self) -> bool:
+        """True unless others are known to have left the machine to it."""
+        return not self.others_s <= QUIET * self.wall_s
 
     def as_json(self) -> str:
         """One line."""

@@ -95,7 +95,8 @@ def draw_front(path: Path, points: Sequence[Point], whole: bool = False) -> None
         axes.set_ylabel("error, %")
         axes.grid(which="both", color="#ececec")
         axes.set_axisbelow(True)
-        axes.legend(**BESIDE)
+        if shown:
+            axes.legend(**BESIDE)
 
 
 def draw_growth(path: Path, unknowns: Sequence[float], curves: Sequence[tuple[str, Sequence[float], Power]]) -> None:

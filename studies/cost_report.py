@@ -52,6 +52,7 @@ def write_cost_report(folder: Path) -> Path:
     content = {
         "title": TITLE,
         "verdicts": [
+            *_quiet_sentences(found),
             *_default_sentences(found),
             *_growth_sentences(found),
             *_farming_sentences(rows),
@@ -139,7 +140,8 @@ def _cells(of: Sequence[Point]) -> Table:
             _size(p.unknowns),
             _size(p.factorisations),
             _error(p),
-            *(short_time(s) if math.isfinite(s) else MISSING for s in (p.wall_s, p.work_s, p.cpu_s)),
+            short_time(p.wall_s) + ("*" if p.disturbed and not p.is_peer else ""),
+            *(short_time(s) if math.isfinite(s) else MISSING for s in (p.work_s, p.cpu_s)),
             _memory(p),
         )
         for p in of
@@ -164,6 +166,18 @@ def _size(number: float) -> str:
     return count(int(number)) if number > 0 else MISSING
 
 
+def _quiet_sentences(found: Sequence[Point]) -> list[str]:
+    """How many measurements other processes disturbed."""
+    own = [p for p in found if not p.is_peer]
+    disturbed = [p for p in own if p.disturbed]
+    if not disturbed:
+        return [f"All {len(own)} measurements had the machine to themselves."]
+    return [
+        f"{len(disturbed)} of {len(own)} measurements were disturbed, or it is not known: other processes computed for "
+        "more than a tenth of their wall time. They are marked *, too long, and measured again by the same command."
+    ]
+
+
 def _default_sentences(found: Sequence[Point]) -> list[str]:
     """Where the settings of study-paper stand: on the front of their model, or by how much not."""
     lines = []
@@ -174,14 +188,16 @@ def _default_sentences(found: Sequence[Point]) -> list[str]:
         ratio, best = off_front(p, rivals)
         off = f"off the front by {ratio:.2f} in time: {best.level} is as exact in {short_time(best.time_s)} s"
         on = "on the front" if ratio <= NOISE else off
+        if p.disturbed or best.disturbed:
+            on += " (disturbed measurement)"
         lines.append(f"study-paper's {p.name} on {p.scene} ({_error(p)} % in {short_time(p.time_s)} s): {on}")
     return lines
 
 
 def growing(found: Sequence[Point]) -> list[Point]:
-    """Bodies of the actuator on two ranks, the smallest first."""
+    """Undisturbed bodies of the actuator on two ranks, the smallest first."""
     of = [p for p in found if p.scene == body_name(ACTUATOR) and p.rung == "full3d" and p.level.endswith("warm 2x1")]
-    return sorted((p for p in of if p.status == "reached"), key=lambda p: p.unknowns)
+    return sorted((p for p in of if p.status == "reached" and not p.disturbed), key=lambda p: p.unknowns)
 
 
 def per_factorisation(p: Point) -> float:

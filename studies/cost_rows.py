@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from studies.compare import MERIDIAN_ORDER
-from studies.cost_cells import TUBE, Cell, Measurement, cell_scene, is_default
+from studies.cost_cells import QUIET, TUBE, Cell, Measurement, cell_scene, is_default
 from studies.exact_answers import exact_bore_mm
 from studies.exact_scene import ExactScene
 from studies.levels import fineness, ranking
@@ -18,7 +18,7 @@ from studies.uncertainty import convergence
 
 VALUES = ("tip_mm", "bore_mm")
 COSTS = {"wall_s": "s", "work_s": "s", "cpu_s": "s", "peak_mb": "MB", "unknowns": "1", "factorisations": "1"}
-SPLIT, DEFAULT, FARMING = "split_s: ", "default_setting", "batch_wall_s"
+SPLIT, DEFAULT, FARMING, OTHERS = "split_s: ", "default_setting", "batch_wall_s", "others_cpu_s"
 # Errors below this are not told apart, percent: bellows are known to 1e-4.
 FLOOR_PERCENT = {"tube": 1e-6}
 BELLOWS_FLOOR_PERCENT = 0.01
@@ -82,6 +82,7 @@ def measured_rows(measured: Mapping[Cell, Measurement]) -> list[Row]:
         )
         for cost, unit in COSTS.items():
             add(cost, unit, float(getattr(found, cost)))
+        add(OTHERS, "s", found.others_s)
         for activity, seconds in found.split_s.items():
             add(SPLIT + activity, "s", seconds)
         if not math.isnan(found.compile_s):
@@ -96,7 +97,7 @@ def farming_rows(scene: str, rung: str, ranks_per_scene: int, found: Measurement
     level = f"{ranks_per_scene} rank{'s' if ranks_per_scene > 1 else ''} per scene"
     return [
         row(scene, quantity, "s", math.nan, rung, value, level, status=found.status)
-        for quantity, value in ((FARMING, found.wall_s), ("batch_cpu_s", found.cpu_s))
+        for quantity, value in ((FARMING, found.wall_s), ("batch_cpu_s", found.cpu_s), (OTHERS, found.others_s))
     ]
 
 
@@ -119,6 +120,8 @@ class Point:
         Wall seconds by activity.
     default
         True for the settings of `make study-paper`.
+    others_s
+        CPU seconds that other processes took meanwhile; NaN if not known.
     """
 
     scene: str
@@ -135,6 +138,7 @@ class Point:
     status: str
     split_s: dict[str, float] = field(hash=False)
     default: bool
+    others_s: float
 
     @property
     def name(self) -> str:
@@ -155,6 +159,11 @@ class Point:
     def time_s(self) -> float:
         """Wall seconds without start and imports, which repeat better; of a peer, who does not tell them, with."""
         return self.wall_s if math.isnan(self.work_s) else self.work_s
+
+    @property
+    def disturbed(self) -> bool:
+        """True unless others are known to have left the machine to it."""
+        return not self.others_s <= QUIET * self.wall_s
 
     @property
     def is_peer(self) -> bool:
@@ -187,6 +196,7 @@ def points(rows: Iterable[Row]) -> list[Point]:
                 status=REACHED if value is None else value.status,
                 split_s={r.quantity.removeprefix(SPLIT): r.value for r in of if r.quantity.startswith(SPLIT)},
                 default=DEFAULT in numbers,
+                others_s=numbers.get(OTHERS, math.nan),
                 **costs,
             )
         )

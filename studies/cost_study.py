@@ -1,6 +1,7 @@
 """The cost study: every cell in a process of its own, one after the other, on a machine that does nothing else.
 
-``python -m studies.cost_study --out results/cost`` measures what is not there yet and writes rows and report. Each
+``python -m studies.cost_study --out results/cost`` measures what is not there yet, once more what other processes
+disturbed, and writes rows and report. Each
 measurement is kept under a key of its content, so a study that was stopped goes on. A run that compiled a form is
 measured again; what compiling takes is measured apart, on one cell per kind, with an empty cache.
 """
@@ -103,19 +104,27 @@ def launch(ranks: int, threads: int, arguments: Sequence[str]) -> tuple[list[str
 
 @dataclass(frozen=True)
 class Ended:
-    """A process that has ended: exit code, standard output, standard error, wall and CPU seconds."""
+    """A process that has ended: exit code, standard output, standard error, wall and CPU seconds, and others' CPU."""
 
     code: int
     out: str
     error: str
     wall_s: float
     cpu_s: float
+    others_s: float
+
+
+def busy_s() -> float:
+    """CPU seconds that this machine has been busy since its start, those taken by its host included (Linux)."""
+    # user, nice, system, idle, iowait, irq, softirq, steal
+    ticks = [int(n) for n in Path("/proc/stat").read_text(encoding="ascii").split("\n", 1)[0].split()[1:9]]
+    return (sum(ticks) - ticks[3] - ticks[4]) / os.sysconf("SC_CLK_TCK")
 
 
 def run_process(command: Sequence[str], environment: dict[str, str], limit_s: float) -> Ended:
     """Run a command to its end, or to the limit; CPU time is that of all processes it has waited for."""
     with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as error:
-        before, begin = os.times(), time.perf_counter()
+        before, busy, begin = os.times(), busy_s(), time.perf_counter()
         process = subprocess.Popen(command, cwd=provenance.ROOT, env=environment, stdout=out, stderr=error)
         try:
             code = process.wait(limit_s)
@@ -125,9 +134,10 @@ def run_process(command: Sequence[str], environment: dict[str, str], limit_s: fl
             code = -1
         wall, after = time.perf_counter() - begin, os.times()
         cpu = after.children_user + after.children_system - before.children_user - before.children_system
+        others = max(0.0, busy_s() - busy - cpu)
         out.seek(0)
         error.seek(0)
-        return Ended(code, out.read(), error.read(), wall, cpu)
+        return Ended(code, out.read(), error.read(), wall, cpu, others)
 
 
 def measure_cell(cell: Cell, limit_s: float = LIMIT_S) -> Measurement:
@@ -161,11 +171,10 @@ def _measure_once(cell: Cell, cache: Path, limit_s: float) -> Measurement:
     lines = [line for line in ended.out.splitlines() if line.startswith("{")]
     if ended.code == 0 and lines:
         found = measurement(lines[-1])
-        return dataclasses.replace(found, wall_s=ended.wall_s, cpu_s=ended.cpu_s)
+        return dataclasses.replace(found, wall_s=ended.wall_s, cpu_s=ended.cpu_s, others_s=ended.others_s)
     said = [line for line in ended.error.splitlines() if line.strip()]
     why = f"failed: stopped after {limit_s:g} s" if ended.code == -1 else f"failed: {said[-1] if said else ended.code}"
-    nothing = math.nan
-    return Measurement(nothing, nothing, ended.wall_s, nothing, ended.cpu_s, nothing, 0, 0, nothing, {}, why)
+    return _costs_only(ended, why)
 
 
 def measure_batch(batch: Batch, texts: Sequence[str], limit_s: float = LIMIT_S) -> Measurement:
@@ -179,9 +188,13 @@ def measure_batch(batch: Batch, texts: Sequence[str], limit_s: float = LIMIT_S) 
         arguments += ["--ranks-per-scene", str(batch.ranks_per_scene)]
         command, environment = launch(2, 1, arguments)
         ended = run_process(command, environment, limit_s)
-    nothing = math.nan
-    status = "reached" if ended.code == 0 else f"failed: exit code {ended.code}"
-    return Measurement(nothing, nothing, ended.wall_s, nothing, ended.cpu_s, nothing, 0, 0, nothing, {}, status)
+    return _costs_only(ended, "reached" if ended.code == 0 else f"failed: exit code {ended.code}")
+
+
+def _costs_only(ended: Ended, status: str) -> Measurement:
+    """Of a process that tells nothing of itself."""
+    no = math.nan
+    return Measurement(no, no, ended.wall_s, no, ended.cpu_s, no, 0, 0, no, {}, status, ended.others_s)
 
 
 def batch_texts() -> list[str]:
@@ -208,17 +221,16 @@ class Store:
         file = self._folder / f"{key}.json"
         return measurement(file.read_text(encoding="utf-8")) if file.exists() else None
 
-    def once(self, key: str, measure: Callable[[], Measurement]) -> Measurement:
-        """The measurement of a key, taken now if there is none."""
-        found = self.get(key)
-        if found is None:
-            found = measure()
+    def take(self, key: str, measure: Callable[[], Measurement]) -> Measurement:
+        """A new measurement of a key, kept unless there is one that was disturbed less."""
+        found, before = measure(), self.get(key)
+        if before is None or not before.others_s / before.wall_s <= found.others_s / found.wall_s:
             write_text_atomically(self._folder / f"{key}.json", found.as_json() + "\n")
         return found
 
 
 def measure_all(folder: Path, cells: Sequence[Cell], minutes: float, say: Callable[[str], None]) -> bool:
-    """Measure what is not there yet, for so many minutes; True if nothing is left."""
+    """Measure what is missing, then once more what was disturbed, for so many minutes; True if nothing is missing."""
     store = Store(folder / "measured")
     end = time.monotonic() + 60.0 * minutes
     texts = batch_texts()
@@ -229,14 +241,16 @@ def measure_all(folder: Path, cells: Sequence[Cell], minutes: float, say: Callab
         (f"batch {b.rung} {b.ranks_per_scene} ranks each", batch_key(b, texts), partial(measure_batch, b, texts))
         for b in BATCHES
     ]
-    for number, (name, key, measure) in enumerate(jobs, 1):
-        if store.get(key) is None and time.monotonic() > end:
-            return False
-        fresh = store.get(key) is None
-        found = store.once(key, measure)
-        if fresh:
-            cost = f"{found.wall_s:.1f} s, {found.peak_mb:.0f} MB"
-            say(f"{number}/{len(jobs)} {name}: {cost}, {found.value:.6g} mm, {found.status}")
+    kept = {key: store.get(key) for _, key, _ in jobs}
+    missing = [job for job in jobs if kept[job[1]] is None]
+    wanted = missing + [job for job in jobs if (found := kept[job[1]]) is not None and found.disturbed]
+    for number, (name, key, measure) in enumerate(wanted):
+        if time.monotonic() > end:
+            return number >= len(missing)
+        found = store.take(key, measure)
+        cost = f"{found.wall_s:.1f} s, {found.peak_mb:.0f} MB"
+        note = f" (disturbed: others took {found.others_s:.1f} CPU s)" if found.disturbed else ""
+        say(f"{number + 1}/{len(wanted)} {name}: {cost}, {found.value:.6g} mm, {found.status}{note}")
     return True
 
 

@@ -271,11 +271,11 @@ def _rounded(numbers: Sequence[float] | np.ndarray) -> tuple[float, ...]:
 
 
 def time_laws(rows: Sequence[Row]) -> dict[tuple[str, str], Seconds]:
-    """Seconds over unknowns of each model and element, from the rows of the cost study: the usual ways of stepping."""
+    """Seconds over unknowns of each model and element, from the undisturbed usual cells of the cost study."""
     found: dict[tuple[str, str], Seconds] = {}
     groups: dict[tuple[str, str], list[Point]] = {}
     for p in points(rows):
-        if p.is_peer or p.scene == "tube" or p.status != REACHED:
+        if p.is_peer or p.disturbed or p.scene == "tube" or p.status != REACHED:
             continue
         element, _, way, _ = p.level.split()
         if way in ("auto", "warm"):

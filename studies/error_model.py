@@ -119,7 +119,7 @@ FITS: dict[Cells, Fit] = {
 }
 # The larger of two 1 and 2 mm walls at 20 kPa (docs/decisions.md) and of peer-bellows (cost study).
 AROUND: dict[Cells, Around] = {"hex": Around(0.07, 8, 4.0), "tet": Around(0.2, 8, 3.4)}
-# From python -m studies.error_fit --cost, with the rows of the cost study.
+# From python -m studies.error_fit --cost, with the rows of the cost study; provisional: the machine was not idle.
 SECONDS: dict[tuple[Rung, Cells], Seconds] = {
     ("axisymmetric", "hex"): Seconds(0.011, 0.553),
     ("axisymmetric", "tet"): Seconds(0.00108, 0.842),

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from functools import partial
 from pathlib import Path
 
 import pytest
 
+from studies import cost_study
 from studies.cost_cells import BELLOWS, TUBE, Cell, Measurement, all_cells, cell_scene, is_default, measurement
 from studies.cost_report import by_rung, write_cost_report
 from studies.cost_rows import (
@@ -30,13 +32,13 @@ BODY = Cell(BELLOWS, "full3d", "hex", "n8", "warm", 2, 1)
 
 def made_up(value: float, work_s: float = 1.0, unknowns: int = 1000) -> Measurement:
     split = {"factor": 0.5 * work_s}
-    return Measurement(value, 10.0, work_s + 3.0, work_s, work_s, 200.0, unknowns, 20, math.nan, split, "reached")
+    return Measurement(value, 10.0, work_s + 3.0, work_s, work_s, 200.0, unknowns, 20, math.nan, split, "reached", 0.0)
 
 
 def point(work_s: float, error: float, level: str = "hex r1 auto 1x2", rung: str = "axisymmetric") -> Point:
     nan = math.nan
     return Point(
-        "peer-bellows", rung, level, error, error, work_s + 3.0, work_s, nan, nan, nan, nan, "reached", {}, False
+        "peer-bellows", rung, level, error, error, work_s + 3.0, work_s, nan, nan, nan, nan, "reached", {}, False, 0.0
     )
 
 
@@ -116,18 +118,32 @@ def test_power_law_of_a_power() -> None:
     assert law.inverse(law.at(5e4)) == pytest.approx(5e4)
 
 
-def test_a_finished_measurement_is_not_repeated(tmp_path: Path) -> None:
-    calls: list[int] = []
-
-    def measure() -> Measurement:
-        calls.append(1)
-        return made_up(1.0)
-
-    first = Store(tmp_path).once("key", measure)
-    again = Store(tmp_path).once("key", measure)
-    assert len(calls) == 1
-    assert dataclasses.replace(first, compile_s=0.0) == dataclasses.replace(again, compile_s=0.0)
+def test_of_two_measurements_the_less_disturbed_is_kept(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    of = ((1.0, math.nan), (2.0, 9.0), (3.0, 0.1))
+    unknown, noisy, quiet = (dataclasses.replace(made_up(value), others_s=others) for value, others in of)
+    assert unknown.disturbed and noisy.disturbed and not quiet.disturbed
+    kept = []
+    for found in (unknown, noisy, quiet, noisy):
+        store.take("key", partial(dataclasses.replace, found))
+        now = store.get("key")
+        assert now is not None
+        kept.append(now.value)
+    assert kept == [1.0, 2.0, 3.0, 3.0]
     assert study_rows(tmp_path, all_cells()) == []
+
+
+def test_what_is_there_and_was_not_disturbed_is_not_measured_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    noise = [9.0, 0.0]
+    monkeypatch.setattr(cost_study, "BATCHES", ())
+    monkeypatch.setattr(cost_study, "measure_cell", lambda _: dataclasses.replace(made_up(1.0), others_s=noise.pop(0)))
+    said: list[str] = []
+    for _ in range(3):
+        assert cost_study.measure_all(tmp_path, [BODY], math.inf, said.append)
+    assert len(said) == 2 and "disturbed" in said[0] and "disturbed" not in said[1]
+    assert not cost_study.measure_all(tmp_path / "other", [BODY], -1.0, said.append)
 
 
 def test_report_of_made_up_rows(tmp_path: Path) -> None:

@@ -162,7 +162,12 @@ def test_time_laws_from_rows_of_the_cost_study() -> None:
     rows = [
         row("peer-bellows", quantity, "1", 10.0, "full3d", value, f"hex n{n} warm 2x1")
         for n in (8, 16, 32)
-        for quantity, value in (("wall_s", 9.0 + n), ("work_s", 1e-3 * n**1.5), ("unknowns", float(n)))
+        for quantity, value in (
+            ("wall_s", 9.0 + n),
+            ("work_s", 1e-3 * n**1.5),
+            ("unknowns", float(n)),
+            ("others_cpu_s", 0.0),
+        )
     ]
     (law,) = time_laws(rows).values()
     assert law.exponent == pytest.approx(1.5) and law.at(8.0) == pytest.approx(1e-3 * 8**1.5, rel=0.01)
