@@ -136,17 +136,22 @@ def _solve(scene: AnyScene, text: str, plan: AnyPlan | None, out: Path, comm: MP
         if comm.rank == 0:
             click.echo(f"{scene.name}: {error}", err=True)
         return STOPPED
-    except OSError as error:  # disk full, folder gone: only the rank that writes knows
-        click.echo(f"{scene.name}: cannot write the results: {error}", err=True)
-        if comm.size > 1:
-            MPI.COMM_WORLD.Abort(STOPPED)
-        return STOPPED
+    except OSError as error:
+        return _cannot_write(scene.name, error)
     if comm.rank == 0:
         for entry in result.headlines:
             click.echo(f"{scene.name}  {_shown(entry)}")
         if not result.reached:
             click.echo(f"{scene.name}: stopped early: {result.reason}", err=True)
     return 0 if result.reached else STOPPED
+
+
+def _cannot_write(what: str, error: OSError) -> int:
+    """Disk full, folder gone: only the rank that writes knows, so it ends the others; returns the exit code."""
+    click.echo(f"{what}: cannot write the results: {error}", err=True)
+    if MPI.COMM_WORLD.size > 1:
+        MPI.COMM_WORLD.Abort(STOPPED)
+    return STOPPED
 
 
 def _shown(entry: Row) -> str:
@@ -200,6 +205,15 @@ def paper(out: Path, core: bool, audit: bool) -> None:
     actuators did not reach every asked pressure.
     """
     _writable(out)
+    try:
+        code = _paper(out, core, audit)
+    except OSError as error:
+        code = _cannot_write("paper study", error)
+    sys.exit(code)
+
+
+def _paper(out: Path, core: bool, audit: bool) -> int:
+    """Run the paper study and write its report; returns the exit code."""
     comm, progress = MPI.COMM_WORLD, Progress(MPI.COMM_WORLD)
     chosen = [case for case in paper_cases.cases() if case.group == "core" or not core]
     faults = paper_study.run_cases(out, chosen, comm, progress)
@@ -215,7 +229,7 @@ def paper(out: Path, core: bool, audit: bool) -> None:
             click.echo(f"{case.case.name}: stopped early: {case.result.reason}", err=True)
         code = STOPPED if faults or stopped else 0
         click.echo(f"report: {report}")
-    sys.exit(comm.bcast(code))
+    return int(comm.bcast(code))
 
 
 @main.command("sweep")
