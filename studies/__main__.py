@@ -266,7 +266,7 @@ def sweep_study_command(out: Path) -> None:
 def stability_command(out: Path) -> None:
     """Push bodies along the axes on which solvers break; the exit code is 3 if any cell is a wrong answer."""
     _writable(out)
-    report, ok = stability_study.write_study(out, MPI.COMM_WORLD, click.echo)
+    report, ok = stability_study.write_study(out, MPI.COMM_WORLD, _out)
     _out(f"report: {report}")
     sys.exit(0 if ok else STOPPED)
 
