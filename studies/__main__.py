@@ -19,29 +19,17 @@ from mpi4py import MPI
 from analytical.bellows import BellowsError
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
-from studies import (
-    benchmark,
-    closed_form_study,
-    dimension_scenes,
-    dimensions,
-    paper_cases,
-    paper_study,
-    provenance,
-    session,
-    solver_benchmark,
-    stability_study,
-    sweep,
-    sweep_study,
-)
-from studies.exact_report import render_exact
+from studies import provenance, session
+from studies.error_model import ROUNDS, cells_of
 from studies.exact_scene import AnyScene, is_exact, load_any_scene
 from studies.kinds import AnyPlan, description, plan_for, run
-from studies.plan import RUNGS, SECTOR_LEVELS, Rung, around_levels, make_plan
+from studies.plan import RUNGS, SECTOR_LEVELS, Rung, make_plan
 from studies.progress import Progress
 from studies.rows import Row
 from studies.scene import Scene
 from studies.sections import SceneError
-from studies.tables import as_text
+
+# Commands import the studies and what draws their reports themselves: plan and solve then start in half the time.
 
 BAD_INPUT, STOPPED = 2, 3
 SMOKE_SCENE = "smoke-t2-ri5"
@@ -141,6 +129,8 @@ def _solve(scene: AnyScene, text: str, plan: AnyPlan | None, out: Path, comm: MP
     if comm.rank == 0:
         for entry in result.headlines:
             click.echo(f"{scene.name}  {_shown(entry)}")
+        if isinstance(result, session.SceneResult) and result.remark:
+            click.echo(f"{scene.name}  {result.remark}")
         if not result.reached:
             click.echo(f"{scene.name}: stopped early: {result.reason}", err=True)
     return 0 if result.reached else STOPPED
@@ -214,6 +204,8 @@ def paper(out: Path, core: bool, audit: bool) -> None:
 
 def _paper(out: Path, core: bool, audit: bool) -> int:
     """Run the paper study and write its report; returns the exit code."""
+    from studies import paper_cases, paper_study
+
     comm, progress = MPI.COMM_WORLD, Progress(MPI.COMM_WORLD)
     chosen = [case for case in paper_cases.cases() if case.group == "core" or not core]
     faults = paper_study.run_cases(out, chosen, comm, progress)
@@ -240,6 +232,8 @@ def sweep_command(file: Path, out: Path) -> None:
 
     Finished scenes are not repeated. Combinations that are no valid scene stay in the table with the reason.
     """
+    from studies import sweep
+
     _writable(out)
     try:
         outcome = sweep.run_sweep(file, out, MPI.COMM_WORLD, Progress(MPI.COMM_WORLD))
@@ -255,6 +249,8 @@ def sweep_command(file: Path, out: Path) -> None:
 @OUT_OPTION
 def sweep_study_command(out: Path) -> None:
     """Map the elongation over root radius, wall and convolutions; where the closed form misleads; the report."""
+    from studies import sweep_study
+
     _writable(out)
     outcome = sweep_study.write_sweep_study(out, MPI.COMM_WORLD)
     _out(f"report: {out / 'report.html'}")
@@ -265,6 +261,8 @@ def sweep_study_command(out: Path) -> None:
 @OUT_OPTION
 def stability_command(out: Path) -> None:
     """Push bodies along the axes on which solvers break; the exit code is 3 if any cell is a wrong answer."""
+    from studies import stability_study
+
     _writable(out)
     report, ok = stability_study.write_study(out, MPI.COMM_WORLD, _out)
     _out(f"report: {report}")
@@ -278,7 +276,7 @@ def smoke(out: Path) -> None:
     ((scene, text),) = _load((provenance.ROOT / "scenes" / f"{SMOKE_SCENE}.toml",))
     _writable(out)
     assert isinstance(scene, Scene)
-    levels = around_levels(scene)[:1]
+    levels = ROUNDS[cells_of(scene)][:1]
     code = _solve(scene, text, make_plan(scene, "full3d", levels, SECTOR_LEVELS[:1]), out / scene.name, MPI.COMM_WORLD)
     if MPI.COMM_WORLD.rank == 0:
         _report(out)
@@ -303,6 +301,8 @@ def exact_command(out: Path) -> None:
 @OUT_OPTION
 def closed_form(out: Path) -> None:
     """Write the report of the closed form: chains, mends, validity, material laws, exact solutions."""
+    from studies import closed_form_study
+
     _writable(out)
     if MPI.COMM_WORLD.rank == 0:
         click.echo(f"report: {closed_form_study.write_study(out)}")
@@ -316,6 +316,8 @@ def dimensions_command(out: Path, write_scenes: bool) -> None:
 
     The exit code is 3 if the picks are not those that analytical/paper.py records; scenes/ is then left alone.
     """
+    from studies import dimension_scenes, dimensions
+
     _writable(out)
     if MPI.COMM_WORLD.rank != 0:
         return
@@ -333,6 +335,9 @@ def dimensions_command(out: Path, write_scenes: bool) -> None:
 @OUT_OPTION
 def benchmark_closed_form(out: Path) -> None:
     """Measure the closed form's evaluations per second on one core, and their error."""
+    from studies import benchmark
+    from studies.tables import as_text
+
     _writable(out)
     if MPI.COMM_WORLD.rank == 0:
         found = benchmark.run(out)
@@ -343,6 +348,8 @@ def benchmark_closed_form(out: Path) -> None:
 @OUT_OPTION
 def benchmark_solver(out: Path) -> None:
     """Measure tangent, factorisation and Newton iteration of a full body, and its path from warm and from cold."""
+    from studies import solver_benchmark
+
     _writable(out)
     ((checked, _),) = _load((provenance.ROOT / "scenes" / "heung-t2-ri5.toml",))
     assert isinstance(checked, Scene)
@@ -358,6 +365,9 @@ def report(folder: Path) -> None:
 
 
 def _report(folder: Path) -> None:
+    from studies import paper_study, scene_report
+    from studies.exact_report import render_exact
+
     if (folder / "core").is_dir():
         click.echo(f"report: {paper_study.write_report(folder)[1]}")
         return
@@ -369,7 +379,7 @@ def _report(folder: Path) -> None:
     exact = [p for p in folders if is_exact(p / session.SCENE_FILE)]
     bellows = [p for p in folders if p not in exact]
     if bellows:
-        click.echo(f"report: {session.render(folder, TITLE, INTRODUCTION, bellows)}")
+        click.echo(f"report: {scene_report.render(folder, TITLE, INTRODUCTION, bellows)}")
     if exact:  # beside bellows, a page of its own
         place = folder / "exact" if bellows else folder
         place.mkdir(exist_ok=True)

@@ -115,10 +115,13 @@ class Ended:
 
 
 def busy_s() -> float:
-    """CPU seconds that this machine has been busy since its start, those taken by its host included (Linux)."""
+    """CPU seconds that this machine has been busy since its start, those taken by its host included (Linux).
+
+    Without those of niced processes, which give way; the study itself is not to be niced.
+    """
     # user, nice, system, idle, iowait, irq, softirq, steal
     ticks = [int(n) for n in Path("/proc/stat").read_text(encoding="ascii").split("\n", 1)[0].split()[1:9]]
-    return (sum(ticks) - ticks[3] - ticks[4]) / os.sysconf("SC_CLK_TCK")
+    return (sum(ticks) - ticks[1] - ticks[3] - ticks[4]) / os.sysconf("SC_CLK_TCK")
 
 
 def run_process(command: Sequence[str], environment: dict[str, str], limit_s: float) -> Ended:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from studies import meridian_pictures, paper_plots, pictures, plots, session
+from studies import meridian_pictures, paper_plots, pictures, plots, scene_report
 from studies.drawn import key_of, once
 from studies.meridian_pictures import RootPanel, draw_root_fields, root_panel
 from studies.paper_cases import REFERENCE_SCENES
@@ -80,7 +80,7 @@ def _stills(case: CaseResult | None, pressures_kpa: Sequence[float] = ()) -> lis
     fields = field_files(place, pressures_kpa or case.result.scene.load.pressure_kpa)
     if not fields:
         return []
-    rings = session.ring_boxes(case.result.scene, place, run.summary.content_hash, list(fields))
+    rings = scene_report.ring_boxes(case.result.scene, place, run.summary.content_hash, list(fields))
     stills = [Still("0 kPa", next(iter(fields.values())), deformed=False, rings=rings.get(0.0, ()))]
     for pressure, vtu in sorted(fields.items()):
         row = tip(case, "full3d", pressure)

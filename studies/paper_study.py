@@ -94,7 +94,7 @@ def _run_bodies(place: Path, case: Case, scene: Scene, comm: MPI.Comm, progress:
             run_body(scene, "full3d", level, base, place / f"full3d-{level.name}", comm, progress, ())
         else:
             sectors = SECTOR_LEVELS if case.group == "core" else ()
-            plan = make_plan(scene, "full3d", sectors=sectors)
+            plan = make_plan(scene, "full3d", sectors=sectors, every_level=True)
             if case.group != "core":  # beside those, for other elements or a count of modes; finer takes up to 10 GB
                 plan = dataclasses.replace(plan, body_levels=BODY_LEVELS[:1])
             run_plan(scene, case_text(case, SCENES), plan, place, comm, progress)

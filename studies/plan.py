@@ -5,6 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from studies.error_model import (
+    MERIDIAN_SHARE,
+    Choice,
+    around_for,
+    choose,
+    explain,
+    knows,
+    meridians_for,
+)
 from studies.scene import RING_ERROR_PERCENT, Scene, in_hexahedra
 from studies.sections import SceneError
 
@@ -15,31 +24,8 @@ RUNGS: tuple[Rung, ...] = ("closed_form", "axisymmetric", "sector", "full3d")
 MERIDIAN_LEVELS = (1, 2, 4)
 # Bodies on r4 would not fit the machines this is meant for (24 GB).
 BODY_LEVELS = (1, 2)
-# What a body's meridian may leave of error, of the scene's tolerance.
-MERIDIAN_SHARE = 0.5
 # Cells round the circumference from which a sector tells that part of the error, where they share out to a quarter.
 SECTOR_LEVELS = (8, 16, 24)
-# Cells round the circumference, and what they leave of error at the tip at 20 kPa against the axisymmetric one on the
-# same meridian, percent: measured on the 1 and 2 mm actuators, the larger of the two (docs/decisions.md).
-AROUND_ERROR_PERCENT = {
-    "hexahedra": {6: 0.17, 8: 0.05, 12: 0.01},
-    "tetrahedra": {8: 0.2, 12: 0.05, 16: 0.02},
-}
-# The meridian's error is the larger part and costs more to bring down: the circumference gets a tenth of the tolerance.
-AROUND_SHARE = 0.1
-
-
-def around_levels(scene: Scene) -> tuple[int, ...]:
-    """Numbers of cells round the circumference for the error estimate of a scene, coarsest first."""
-    return tuple(AROUND_ERROR_PERCENT["hexahedra" if in_hexahedra(scene) else "tetrahedra"])
-
-
-def around_for(scene: Scene, rung: Rung) -> int:
-    """The smallest of these numbers that leaves the circumference its share of the scene's tolerance."""
-    errors = AROUND_ERROR_PERCENT["hexahedra" if in_hexahedra(scene) else "tetrahedra"]
-    allowed = AROUND_SHARE * scene.ask.tolerance_percent
-    shared_out = [n for n in errors if rung != "sector" or n % 4 == 0]  # a quarter takes a quarter of them
-    return next((n for n in shared_out if errors[n] <= allowed), max(shared_out))
 
 
 @dataclass(frozen=True)
@@ -59,9 +45,11 @@ class Plan:
     body_levels
         Meridians that a body may be made from: the first whose error is within its share of the tolerance, or the last.
     stop_when_met
-        True to leave out the last meridian level if the first two already hold the scene's tolerance.
+        True to leave out meridian levels once those before hold the scene's tolerance, or a body's share of it.
     skipped
         What is not computed and why, a sentence each.
+    choice
+        The mesh that the error model proposes and what it expects of it; None where it knows nothing of the scene.
     """
 
     rung: Rung
@@ -71,10 +59,15 @@ class Plan:
     skipped: tuple[str, ...]
     sector_levels: tuple[int, ...] = ()
     body_levels: tuple[int, ...] = BODY_LEVELS
+    choice: Choice | None = None
 
 
 def make_plan(
-    scene: Scene, rung: Rung | None = None, around: tuple[int, ...] = (), sectors: tuple[int, ...] = ()
+    scene: Scene,
+    rung: Rung | None = None,
+    around: tuple[int, ...] = (),
+    sectors: tuple[int, ...] = (),
+    every_level: bool = False,
 ) -> Plan:
     """Choose the runs of a scene.
 
@@ -88,6 +81,8 @@ def make_plan(
         Numbers of cells round the circumference for 3D; default what the scene's tolerance needs.
     sectors
         The same for a sector beside full 3D.
+    every_level
+        Solve all meridian levels, for the convergence study of a report.
 
     Returns
     -------
@@ -130,13 +125,13 @@ def make_plan(
         )
     if scene.geometry.tip == "rigid":
         skipped.append('the cap: a rigid plate bonded to the distal collar (geometry.tip = "cap" solves it)')
+    choice = choose(scene, chosen) if knows(scene) else None
+    stop_when_met = not every_level and (rung is None or chosen != "axisymmetric")
+    levels: tuple[int, ...] = MERIDIAN_LEVELS
+    if choice is not None and stop_when_met:
+        levels = tuple(m for m in levels if m >= meridians_for(choice)[0])
     if chosen == "axisymmetric":
-        if rung is None:
-            skipped.append(
-                f"meridian level r{MERIDIAN_LEVELS[-1]}: solved only if r{MERIDIAN_LEVELS[0]} and "
-                f"r{MERIDIAN_LEVELS[1]} do not hold the tolerance, {scene.ask.tolerance_percent:g} %"
-            )
-        return Plan(chosen, MERIDIAN_LEVELS, (), rung is None, tuple(skipped))
+        return Plan(chosen, levels, (), stop_when_met, tuple(skipped), choice=choice)
     if chosen == "sector":
         skipped.append("three quarters of the body: what is left lies between two planes of symmetry")
         skipped.append("modes that break the symmetry: a sector's count of unstable modes cannot see them")
@@ -147,10 +142,11 @@ def make_plan(
         )
     skipped.append("load steps of the 3D run: each asked pressure starts from the axisymmetric state, revolved")
     skipped.append(
-        f"finer meridians of the body than a tolerance of {scene.ask.tolerance_percent:g} % needs: half of "
-        "it is left to the meridian, as the axisymmetric levels show it"
+        f"finer meridians of the body than a tolerance of {scene.ask.tolerance_percent:g} % needs: "
+        f"{MERIDIAN_SHARE:.0%} of it are left to the meridian, as the axisymmetric levels show it"
     )
-    return Plan(chosen, MERIDIAN_LEVELS, around or (around_for(scene, chosen),), False, tuple(skipped), sectors)
+    rounds = around or (around_for(scene, chosen),)
+    return Plan(chosen, levels, rounds, stop_when_met, tuple(skipped), sectors, choice=choice)
 
 
 def describe(scene: Scene, plan: Plan) -> str:
@@ -159,7 +155,7 @@ def describe(scene: Scene, plan: Plan) -> str:
     pressures = ", ".join(f"{p:g}" for p in scene.load.pressure_kpa)
     lines.append(f"  closed form at {pressures} kPa")
     for level in plan.meridian_levels:
-        maybe = " (only if needed)" if plan.stop_when_met and level == plan.meridian_levels[-1] else ""
+        maybe = " (only if needed)" if plan.stop_when_met and level in plan.meridian_levels[2:] else ""
         lines.append(f"  axisymmetric, meridian level r{level}: path from 0 through {pressures} kPa{maybe}")
     body = "a quarter in 3D" if plan.rung == "sector" else "full 3D"
     cells = "hexahedra" if in_hexahedra(scene) else "tetrahedra"
@@ -171,4 +167,5 @@ def describe(scene: Scene, plan: Plan) -> str:
     for around in plan.around_levels:
         lines.append(f"  {body}, {cells}, meridian level {levels}, {around} cells round: {pressures} kPa")
     lines += [f"skipped: {reason}" for reason in plan.skipped]
+    lines += explain(scene, plan.choice) if plan.choice is not None else []
     return "\n".join(lines)

@@ -1,4 +1,4 @@
-"""Doing a plan: all runs of a scene into a folder, and reading a folder back into a report."""
+"""Doing a plan: all runs of a scene into a folder, and reading a folder back."""
 
 from __future__ import annotations
 
@@ -9,23 +9,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
 from mpi4py import MPI
 
-from meshes.bellows import FloatArray
-from studies import provenance
-from studies.compare import MERIDIAN_ORDER, main_quantity, scene_rows, tip_at, tip_convergence, validity_notes
+from studies.compare import MERIDIAN_ORDER, main_quantity, scene_rows, tip_at, tip_convergence
+from studies.error_model import MERIDIAN_SHARE
+from studies.expectations import expectation_rows, sentence
 from studies.levels import BodyLevel, fineness, ranking
-from studies.pictures import RingBox
-from studies.plan import MERIDIAN_SHARE, Plan
+from studies.plan import Plan
 from studies.progress import Progress
-from studies.report import SceneReport, write_report
-from studies.results import PATH_FILE, SUMMARY_FILE, PathRow, read_path, read_summary
+from studies.results import PATH_FILE, SUMMARY_FILE, read_path, read_summary
 from studies.rows import Row, write_rows
-from studies.run_log import Run, field_files
+from studies.run_log import Run
 from studies.runs import run_axisymmetric, run_body, run_closed_form, run_hash
-from studies.scene import Scene, load_scene, shape_of
-from studies.states import load_state
+from studies.scene import Scene, load_scene
 
 SCENE_FILE, ROWS_FILE = "scene.toml", "rows.csv"
 
@@ -62,6 +58,11 @@ class SceneResult:
         wanted = {main_quantity(self.scene), *self.scene.ask.quantities}
         return tuple(r for r in self.rows if r.quantity in wanted)
 
+    @property
+    def remark(self) -> str:
+        """What was expected of the answer, and what came out; empty where nothing was."""
+        return sentence(self.rows)
+
 
 def run_plan(
     scene: Scene, scene_text: str, plan: Plan, folder: Path, comm: MPI.Comm, progress: Progress
@@ -85,7 +86,7 @@ def run_plan(
         (folder / SCENE_FILE).write_text(scene_text, encoding="utf-8")
     axisymmetric: list[Run] = []
     for level in plan.meridian_levels:
-        if plan.stop_when_met and len(axisymmetric) == 2 and _within_tolerance(scene, axisymmetric):
+        if plan.stop_when_met and len(axisymmetric) >= 2 and _good_enough(scene, plan, axisymmetric):
             break
         axisymmetric.append(run_axisymmetric(scene, level, folder / f"axisymmetric-r{level}", comm, progress))
     solid: dict[str, list[Run]] = {"sector": [], "full3d": []}
@@ -97,12 +98,13 @@ def run_plan(
 
         beside = scene.model_copy(update={"ask": scene.ask.model_copy(update={"fields": False})})
         solid["sector"] = [run(beside, "sector", BodyLevel(n, plan.body_levels[0])) for n in plan.sector_levels]
-        meridian = body_meridian(scene, axisymmetric, plan.body_levels)
+        meridian = good_meridian(scene, axisymmetric, plan.body_levels) or _finest(axisymmetric, plan.body_levels)
         assert plan.rung == "sector" or plan.rung == "full3d"
         solid[plan.rung] += [run(scene, plan.rung, BodyLevel(n, meridian)) for n in plan.around_levels]
     if plan.rung == "closed_form":
         run_closed_form(scene, folder, comm)
     rows = scene_rows(scene, axisymmetric, **solid)
+    rows += expectation_rows(scene, axisymmetric, [*solid["sector"], *solid["full3d"]])
     result = SceneResult(scene, tuple(axisymmetric), tuple(solid["sector"]), tuple(solid["full3d"]), tuple(rows))
     if comm.rank == 0:
         write_rows(folder / ROWS_FILE, rows)
@@ -114,15 +116,14 @@ def run_plan(
     return result
 
 
-def body_meridian(scene: Scene, axisymmetric: Sequence[Run], levels: Sequence[int]) -> int:
+def good_meridian(scene: Scene, axisymmetric: Sequence[Run], levels: Sequence[int]) -> int | None:
     """The first meridian whose error, as the axisymmetric runs show it, is within its share of the tolerance, %.
 
-    The last of the levels if none is; only levels that have an axisymmetric run.
+    None if none is; only levels that have an axisymmetric run.
     """
     allowed = 0.01 * MERIDIAN_SHARE * scene.ask.tolerance_percent
     quantity = main_quantity(scene)
-    have = [r for r in axisymmetric if fineness(r.summary.level) in levels]
-    for run in have:
+    for run in (r for r in axisymmetric if fineness(r.summary.level) in levels):
         errors = []
         for pressure in scene.load.pressure_kpa:
             value, limit = (
@@ -132,7 +133,19 @@ def body_meridian(scene: Scene, axisymmetric: Sequence[Run], levels: Sequence[in
             errors.append(abs(value - limit) / abs(limit))
         if all(error <= allowed for error in errors if not math.isnan(error)):
             return fineness(run.summary.level)
-    return fineness(have[-1].summary.level)
+    return None
+
+
+def _finest(axisymmetric: Sequence[Run], levels: Sequence[int]) -> int:
+    """The finest of some meridian levels that has a run."""
+    return max(fineness(r.summary.level) for r in axisymmetric if fineness(r.summary.level) in levels)
+
+
+def _good_enough(scene: Scene, plan: Plan, runs: Sequence[Run]) -> bool:
+    """True if no finer meridian is needed: for the tolerance, or for a body's share of it."""
+    if plan.rung == "axisymmetric":
+        return _within_tolerance(scene, runs)
+    return good_meridian(scene, runs, plan.body_levels) is not None
 
 
 def _within_tolerance(scene: Scene, runs: Sequence[Run]) -> bool:
@@ -170,66 +183,6 @@ def read_scene_folder(folder: Path, current: bool = False) -> SceneResult:
     axisymmetric = tuple(r for r in runs if r.summary.rung == "axisymmetric")
     sector = tuple(r for r in runs if r.summary.rung == "sector")
     full3d = tuple(r for r in runs if r.summary.rung == "full3d")
-    return SceneResult(scene, axisymmetric, sector, full3d, tuple(scene_rows(scene, axisymmetric, sector, full3d)))
-
-
-def ring_boxes(
-    scene: Scene, run: Path, content_hash: str, pressures_kpa: Sequence[float]
-) -> dict[float, tuple[RingBox, ...]]:
-    """Where the rigid rings are at each pressure (kPa; 0 is unloaded), from the kept states."""
-    if scene.rings.model != "rigid":
-        return {}
-    shape = shape_of(scene)
-
-    def boxes(shift_mm: FloatArray) -> tuple[RingBox, ...]:
-        centres = shape.crest_positions_mm + np.asarray(shift_mm)
-        return tuple(
-            RingBox(float(c), shape.seat_radius_mm, scene.rings.seat_mm, scene.rings.height_mm) for c in centres
-        )
-
-    out = {0.0: boxes(np.zeros(1))}
-    for pressure in pressures_kpa:
-        saved = load_state(run, content_hash, 1e-3 * pressure)
-        if saved is not None:
-            out[pressure] = boxes(saved[0].bodies_mm[: len(shape.crest_positions_mm), 2])
-    return out
-
-
-def render(folder: Path, title: str, introduction: str, scene_folders: Sequence[Path]) -> Path:
-    """Write the report of scene folders into ``folder``; returns the path of report.html."""
-    reports = []
-    total = 0.0
-    for scene_folder in scene_folders:
-        result = read_scene_folder(scene_folder)
-        runs = [*result.axisymmetric, *result.sector, *result.full3d]
-        total += sum(run.summary.time_s["total"] for run in runs)
-        paths: dict[str, list[PathRow]] = {f"{run.summary.rung} {run.summary.level}": list(run.path) for run in runs}
-        fields: dict[float, Path] = {}
-        rings: dict[float, tuple[RingBox, ...]] = {}
-        if result.full3d:
-            finest = scene_folder / f"full3d-{result.full3d[-1].summary.level}"
-            fields = field_files(finest, result.scene.load.pressure_kpa)
-            rings = ring_boxes(result.scene, finest, result.full3d[-1].summary.content_hash, list(fields))
-        notes = validity_notes(result.scene)
-        reports.append(
-            SceneReport(
-                name=result.scene.name,
-                title=result.scene.title,
-                scene_toml=(scene_folder / SCENE_FILE).read_text(encoding="utf-8"),
-                pressures_kpa=tuple(result.scene.load.pressure_kpa),
-                rows=result.rows,
-                runs=tuple(run.summary for run in runs),
-                paths=paths,
-                fields=fields,
-                rings=rings,
-                notes=tuple(notes),
-            )
-        )
-    facts = {
-        "commit": provenance.commit(),
-        "date": provenance.now(),
-        "machine": provenance.machine(),
-        "BLAS": provenance.blas(),
-        **provenance.versions(),
-    }
-    return write_report(folder, title, introduction, reports, facts, total)
+    rows = scene_rows(scene, axisymmetric, sector, full3d)
+    rows += expectation_rows(scene, axisymmetric, [*sector, *full3d])
+    return SceneResult(scene, axisymmetric, sector, full3d, tuple(rows))

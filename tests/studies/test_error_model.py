@@ -130,11 +130,11 @@ def test_what_is_left_out_is_told_with_what_it_saves() -> None:
     choice = choose(scene, "axisymmetric")
     lines = explain(scene, choice)
     assert meridians_for(choice) == (1, 2)
-    assert "r1: expected error" in lines[0]
-    assert any(line.startswith("skipped axisymmetric r4") for line in lines)
-    assert any(line.startswith("skipped full3d n6") for line in lines)
+    assert "r1: error" in lines[0]
+    assert any(line.startswith("skipped: axisymmetric r4,") for line in lines)
+    assert any(line.startswith("skipped: full3d n6") for line in lines)
     body = explain(scene, choose(scene, "full3d"))
-    assert any(line.startswith("skipped full3d n6r2") for line in body)
+    assert any(line.startswith("skipped: full3d n6r2") for line in body)
 
 
 def test_two_levels_of_the_scene_itself_tell_the_error() -> None:

@@ -1,0 +1,82 @@
+"""What the plan expects of a mesh, what is solved because of it, and what came out."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+from mpi4py import MPI
+
+from studies import provenance
+from studies.expectations import CHECKED_ERROR, PREDICTED_ERROR, PREDICTED_WORK, WORK
+from studies.plan import make_plan
+from studies.progress import Progress
+from studies.scene import Scene, load_scene
+from studies.session import SceneResult, read_scene_folder, run_plan
+
+SCENE = provenance.ROOT / "scenes" / "peers" / "bellows.toml"
+
+
+def short_bellows(tolerance_percent: float, blocked: bool = False) -> Scene:
+    """Two convolutions with rigid rings, unfolded little."""
+    scene = load_scene(SCENE)
+    return scene.model_copy(
+        update={
+            "rings": scene.rings.model_copy(update={"model": "rigid"}),
+            "load": scene.load.model_copy(update={"pressure_kpa": [4.0], "tip": "blocked" if blocked else "free"}),
+            "ask": scene.ask.model_copy(update={"tolerance_percent": tolerance_percent, "fields": False}),
+        }
+    )
+
+
+def solved(scene: Scene, folder: Path) -> SceneResult:
+    """The axisymmetric plan of a scene, done."""
+    return run_plan(scene, SCENE.read_text(), make_plan(scene), folder, MPI.COMM_WORLD, Progress(MPI.COMM_WORLD))
+
+
+@pytest.fixture(scope="module")
+def loose(tmp_path_factory: pytest.TempPathFactory) -> SceneResult:
+    return solved(short_bellows(2.0), tmp_path_factory.mktemp("loose"))
+
+
+def test_a_loose_tolerance_solves_the_mesh_and_its_check_only(loose: SceneResult) -> None:
+    assert [run.summary.level for run in loose.axisymmetric] == ["r1", "r2"]
+
+
+def test_error_and_work_are_told_before_and_after(loose: SceneResult) -> None:
+    found = {r.quantity: r for r in loose.rows if r.quantity in (PREDICTED_ERROR, CHECKED_ERROR, PREDICTED_WORK, WORK)}
+    assert {r.level for r in found.values()} == {"r2"} and len(found) == 4
+    tips = [run.path[-1].tip_mm for run in loose.axisymmetric]
+    apart = 100.0 * abs(tips[1] / tips[0] - 1.0)
+    assert 0.1 * apart < found[CHECKED_ERROR].value < 2.0 * apart
+    assert found[WORK].value == pytest.approx(sum(run.summary.time_s["total"] for run in loose.axisymmetric))
+    assert 0.01 <= found[PREDICTED_ERROR].value <= 2.0
+    assert f"by the check {found[CHECKED_ERROR].value:.2g} %" in loose.remark
+
+
+def test_a_tolerance_that_the_check_does_not_hold_solves_a_finer_mesh(tmp_path: Path) -> None:
+    tight = solved(short_bellows(0.01), tmp_path)
+    assert tight.axisymmetric[-1].summary.level == "r4"
+    assert math.isfinite(next(r.value for r in tight.rows if r.quantity == CHECKED_ERROR))
+
+
+def test_a_mesh_that_the_prediction_rules_out_is_not_solved() -> None:
+    assert make_plan(short_bellows(0.01)).meridian_levels == (2, 4)
+    assert make_plan(short_bellows(1.0)).meridian_levels == (1, 2, 4)
+    assert make_plan(short_bellows(0.01), "axisymmetric").meridian_levels == (1, 2, 4)
+
+
+def test_a_blocked_tip_is_not_what_the_model_knows() -> None:
+    plan = make_plan(short_bellows(1.0, blocked=True))
+    assert plan.choice is None and plan.meridian_levels == (1, 2, 4)
+
+
+def test_a_folder_read_back_tells_the_same(tmp_path: Path) -> None:
+    scene = short_bellows(2.0)
+    text = SCENE.read_text()
+    for old, new in (('model = "meshed"', 'model = "rigid"'), ("pressure_kpa = [10.0]", "pressure_kpa = [4.0]")):
+        assert old in text
+        text = text.replace(old, new)
+    made = run_plan(scene, text, make_plan(scene), tmp_path, MPI.COMM_WORLD, Progress(MPI.COMM_WORLD))
+    assert read_scene_folder(tmp_path).remark == made.remark != ""
