@@ -20,6 +20,18 @@ def floored(points: Iterable[Point], floor_percent: float) -> list[Point]:
     return [Point(p.wall_s, max(abs(p.error_percent), floor_percent)) for p in points]
 
 
+def lasting(errors_percent: Sequence[float]) -> list[float]:
+    """Errors on meshes, coarsest first, as what a user may rely on: the largest absolute one on this or a finer mesh.
+
+    A coarse mesh may be right by accident where the errors of meridian and circumference cancel; refining one of the
+    two then shows what the other left.
+    """
+    found: list[float] = []
+    for error in reversed(errors_percent):
+        found.insert(0, max(abs(error), *found[:1], 0.0))
+    return found
+
+
 def best(points: Sequence[Point]) -> Point | None:
     """The point of smallest error, the fastest of those; its time is T_peer."""
     return min(points, key=lambda p: (p.error_percent, p.wall_s)) if points else None

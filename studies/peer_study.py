@@ -27,7 +27,7 @@ import click
 from mpi4py import MPI
 
 from studies import provenance
-from studies.peer_fronts import Point, floored, ratio_at_equal_error, ratio_to_fastest
+from studies.peer_fronts import Point, floored, lasting, ratio_at_equal_error, ratio_to_fastest
 from studies.peers import environment
 from studies.peers.exchange import Cells, Level, write_peer_mesh
 from studies.progress import Progress
@@ -407,7 +407,7 @@ def comparison_rows(
 ) -> list[Row]:
     """Rows of all measurements, then the ratios."""
     rows: list[Row] = []
-    points: dict[int, dict[str, list[Point]]] = {2: {}, 3: {}}
+    measured = list(measured)
     for m in measured:
         ours = ("axisymmetric", "full3d")[m.dimension - 2]
         rung = ours if m.code == "ours" else f"peer_{m.code}"
@@ -419,21 +419,42 @@ def comparison_rows(
         rows.append(_row(at, "peak_mb", "MB", m.peak_mb))
         rows.append(_row(at, "unknowns", "1", m.unknowns))
         rows.append(_row(at, "lines_to_write", "1", m.lines))
-        if not math.isnan(m.tip_mm):
-            error = 100.0 * abs(m.tip_mm / reference_mm - 1.0)
-            points[m.dimension].setdefault(m.code, []).append(Point(m.wall_s, error))
+    reached = [m for m in measured if not math.isnan(m.tip_mm)]
+    errors = [100.0 * abs(m.tip_mm / reference_mm - 1.0) for m in reached]
     for dimension, name in ((3, "full3d"), (2, "axisymmetric")):
-        every = {code: floored(found, REFERENCE_PERCENT) for code, found in points[dimension].items()}
-        mine = every.pop("ours", [])
-        ratio = ratio_to_fastest(mine, every, ALLOWED_PERCENT)
-        quantity = f"time_ratio_{name}_to_fastest_peer"
-        rows.append(row(scene, quantity, "1", pressure_kpa, name, ratio, status=_known(ratio)))
-        error, equal = ratio_at_equal_error(mine, every)
-        level = f"{error:.3g} %"
-        rows.append(
-            row(scene, f"time_ratio_{name}_at_equal_error", "1", pressure_kpa, name, equal, level, status=_known(equal))
-        )
+        for kind, found in (("", errors), ("_by_lasting_error", _lasting(reached, errors))):
+            points: dict[str, list[Point]] = {}
+            for m, error in zip(reached, found, strict=True):
+                if m.dimension == dimension:
+                    points.setdefault(m.code, []).append(Point(m.wall_s, error))
+            every = {code: floored(of, REFERENCE_PERCENT) for code, of in points.items()}
+            mine = every.pop("ours", [])
+            ratio = ratio_to_fastest(mine, every, ALLOWED_PERCENT)
+            quantity = f"time_ratio_{name}_to_fastest_peer{kind}"
+            rows.append(row(scene, quantity, "1", pressure_kpa, name, ratio, status=_known(ratio)))
+            error, equal = ratio_at_equal_error(mine, every)
+            quantity, level = f"time_ratio_{name}_at_equal_error{kind}", f"{error:.3g} %"
+            rows.append(row(scene, quantity, "1", pressure_kpa, name, equal, level, status=_known(equal)))
     return rows
+
+
+def _lasting(measured: Sequence[Measurement], errors: Sequence[float]) -> list[float]:
+    """Errors that finer meshes of the same code, cells and settings do not exceed."""
+    found = list(errors)
+    for family in {_family(m) for m in measured}:
+        same = [k for k, m in enumerate(measured) if _family(m) == family]
+        same.sort(key=lambda k: measured[k].unknowns)
+        for k, error in zip(same, lasting([errors[k] for k in same]), strict=True):
+            found[k] = error
+    return found
+
+
+def _family(m: Measurement) -> tuple[str, int, str]:
+    """What is alike in runs that differ in their mesh only."""
+    if m.code == "ours":
+        return m.code, m.dimension, m.label.partition(",")[0]
+    mesh, _, settings = m.label.partition(" ")
+    return m.code, m.dimension, f"{mesh.partition('-')[0]} {settings}"
 
 
 def _row(
@@ -497,10 +518,17 @@ def main(
     for code, why in gone.items():
         click.echo(f"{code}: skipped: {why}")
     here = [code for code in chosen if code not in gone]
+    stopped: set[tuple[str, str, str]] = set()
     for attempt in attempts(here, [int(d) for d in dimensions] or [2, 3], levels):
         if study.pending(attempt) and time.perf_counter() - begin > budget:
             continue
+        kind = (attempt.code, attempt.level.cells if attempt.level else "", json.dumps(attempt.options))
+        if attempt.level and kind in stopped:
+            click.echo(f"{attempt.code} {attempt.label}: not run, a coarser mesh was stopped at the limit")
+            continue
         m = study.measure(attempt)
+        if m.reason.startswith("stopped after"):
+            stopped.add(kind)
         click.echo(f"{m.code} {m.label}: {m.tip_mm:.4f} mm, {m.wall_s:.1f} s {m.reason}")
     every = attempts((*PEERS, "ours"), [2, 3])
     measured = [found for attempt in every if (found := study.kept(attempt)) is not None]

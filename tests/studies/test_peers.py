@@ -10,7 +10,7 @@ import pytest
 from analytical.materials import PLA
 from meshes.cells import cell_shape
 from studies import peer_study
-from studies.peer_fronts import Point, best, floored, front, ratio_at_equal_error, ratio_to_fastest, time_at
+from studies.peer_fronts import Point, best, floored, front, lasting, ratio_at_equal_error, ratio_to_fastest, time_at
 from studies.peer_study import Measurement, comparison_rows, last_json, lines_to_write, peer_command, timed
 from studies.peers import environment
 from studies.peers.exchange import Level, peer_mesh, write_peer_mesh
@@ -125,6 +125,30 @@ def test_time_at_an_error_is_read_off_the_front():
     assert time_at(points, math.sqrt(0.1)) == pytest.approx(math.sqrt(10.0))
     assert time_at(points, 5.0) == 1.0
     assert math.isnan(time_at(points, 0.001))
+
+
+def test_an_error_that_a_finer_mesh_exceeds_does_not_last():
+    assert lasting([0.002, -0.05, 0.01]) == [0.05, 0.05, 0.01]
+    assert lasting([0.3, 0.2]) == [0.3, 0.2]
+    assert lasting([]) == []
+
+
+def test_accidents_of_coarse_meshes_are_told_apart_in_the_ratios():
+    def of(code, label, tip_mm, unknowns, wall_s):
+        return Measurement(code, 3, label, tip_mm, unknowns, wall_s, 100.0, 10, "")
+
+    measured = [
+        of("felupe", "hex27-n8r1 first=0.1", 100.01, 10, 20.0),
+        of("felupe", "hex27-n12r1 first=0.1", 100.4, 20, 50.0),
+        of("felupe", "hex27-n8r1 first=0.2", 99.0, 10, 15.0),
+        of("ours", "hex, rigid rings, tolerance 1 %, 1 rank", 99.6, 9, 4.0),
+    ]
+    rows = comparison_rows("s", 10.0, 100.0, "reference", measured)
+    found = {r.quantity: r for r in rows}
+    assert found["time_ratio_full3d_to_fastest_peer"].value == pytest.approx(4.0 / 20.0)
+    assert found["time_ratio_full3d_to_fastest_peer_by_lasting_error"].value == pytest.approx(4.0 / 20.0)
+    assert found["time_ratio_full3d_at_equal_error"].level == "0.4 %"
+    assert found["time_ratio_full3d_at_equal_error_by_lasting_error"].value == pytest.approx(4.0 / 20.0)
 
 
 def test_ratios():
