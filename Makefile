@@ -7,7 +7,7 @@ PYTHON := .venv/bin/python
 MPIRUN ?= /usr/bin/mpirun
 SCENES ?= $(wildcard scenes/*.toml)
 SWEEP ?= sweeps/heung-map.toml
-EXAMPLES ?= paper exact closed-form dimensions sweep stability
+EXAMPLES ?= paper exact closed-form dimensions sweep stability cost error-model peers
 
 # --- ranks and threads ----------------------------------------------------------------------
 # One rank: BLAS may use all cores. Several ranks: one thread each, or they fight for the cores. Two ranks
@@ -122,6 +122,10 @@ study-peers: check ## the same bellows in CalculiX, NGSolve, FElupe and the tuto
 .PHONY: study-cost
 study-cost: check ## run time against error of every model, mesh and way of stepping -> results/cost
 	$(PYTHON) -m studies.cost_study --out results/cost
+
+.PHONY: study-error-model
+study-error-model: check ## fit what meshes leave of error and take of time; ten scenes to check it -> results/error-model
+	$(LAUNCH) -m studies.error_fit --out results/error-model
 
 .PHONY: study-smoke
 study-smoke: check ## two convolutions by every model, in a minute -> results/study-smoke

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
 from analytical.bellows import BellowsDesigns, BellowsDimensions, BellowsError
 from analytical.chain_equations import Reading, Sizes
@@ -74,6 +73,8 @@ def pressure_at_elongation_kpa(
     BellowsError
         If the elongation is negative, or not reached below the pressure at which the law gives out.
     """
+    from scipy.optimize import brentq  # takes 0.1 s to import, which every scene would pay
+
     if not (math.isfinite(elongation_mm) and elongation_mm >= 0.0):
         raise BellowsError(f"elongation_mm = {elongation_mm} must be finite and not negative")
     if reading.folds_back:

@@ -227,13 +227,19 @@ COMPILED = (
 )
 
 
+# Bodies that the plan makes of these scenes at their tolerance: of the actuator on r1 for its last pressure alone, on
+# r2 for all pressures of the paper study.
+DEFAULT_BODIES = {BELLOWS: ("n8",), ACTUATOR: ("n8", "n8r2")}
+
+
 def is_default(cell: Cell) -> bool:
-    """True for the settings of `make study-paper`: meridians in quadrilaterals, warm hexahedra n8 on r1 or r2."""
+    """True for the settings of `make study-paper`: quadrilaterals, and warm hexahedra as the plan makes them."""
     if cell.element != "hex" or cell.body == TUBE:
         return False
     if cell.rung == "axisymmetric":
         return cell.strategy == "auto"
-    return cell.rung == "full3d" and cell.strategy == "warm" and cell.ranks == 2 and cell.level in ("n8", "n8r2")
+    bodies = DEFAULT_BODIES.get(cell.body, ())
+    return cell.rung == "full3d" and cell.strategy == "warm" and cell.ranks == 2 and cell.level in bodies
 
 
 def scene_file(body: str) -> Path:

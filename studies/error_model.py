@@ -123,13 +123,13 @@ FITS: dict[Cells, Fit] = {
 }
 # The larger of two 1 and 2 mm walls at 20 kPa (docs/decisions.md) and of peer-bellows (cost study).
 AROUND: dict[Cells, Around] = {"hex": Around(0.07, 8, 4.0), "tet": Around(0.2, 8, 3.4)}
-# From python -m studies.error_fit --cost, with the rows of the cost study; provisional: the machine was not idle.
+# From make study-error-model, with the rows of make study-cost.
 SECONDS: dict[tuple[Rung, Cells], Seconds] = {
-    ("axisymmetric", "hex"): Seconds(0.011, 0.553),
-    ("axisymmetric", "tet"): Seconds(0.00108, 0.842),
-    ("sector", "hex"): Seconds(0.000511, 0.834),
-    ("full3d", "hex"): Seconds(0.00055, 0.824),
-    ("full3d", "tet"): Seconds(8.9e-07, 1.426),
+    ("axisymmetric", "hex"): Seconds(0.00604, 0.591),
+    ("axisymmetric", "tet"): Seconds(0.000963, 0.831),
+    ("sector", "hex"): Seconds(0.00062, 0.803),
+    ("full3d", "hex"): Seconds(6.53e-05, 1.032),
+    ("full3d", "tet"): Seconds(2.15e-05, 1.15),
 }
 
 

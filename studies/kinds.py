@@ -1,17 +1,23 @@
-"""One door for scenes of all kinds: bellows, simple bodies with exact answers, users' meshes."""
+"""One door for scenes of all kinds: bellows, simple bodies with exact answers, users' meshes.
+
+What runs simple bodies is imported with the first of them: with all the exact solutions it takes a tenth of a second.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mpi4py import MPI
 
 from studies.exact_plan import ExactPlan, describe_exact, make_exact_plan
 from studies.exact_scene import AnyScene, ExactScene
-from studies.exact_session import ExactResult, run_all_models, run_exact_plan
 from studies.plan import Plan, Rung, describe, make_plan
 from studies.progress import Progress
 from studies.session import SceneResult, run_plan
+
+if TYPE_CHECKING:
+    from studies.exact_session import ExactResult
 
 AnyPlan = Plan | ExactPlan
 
@@ -38,9 +44,11 @@ def run(
     scene: AnyScene, text: str, plan: AnyPlan | None, folder: Path, comm: MPI.Comm, progress: Progress
 ) -> SceneResult | ExactResult:
     """Run a scene's plan, or every model a simple body has if there is none; see `studies.session.run_plan`."""
-    if isinstance(scene, ExactScene) and plan is None:
-        return run_all_models(scene, text, folder, comm, progress)
     if isinstance(scene, ExactScene):
+        from studies.exact_session import run_all_models, run_exact_plan
+
+        if plan is None:
+            return run_all_models(scene, text, folder, comm, progress)
         assert isinstance(plan, ExactPlan)
         return run_exact_plan(scene, text, plan, folder, comm, progress)
     assert isinstance(plan, Plan)
