@@ -11,6 +11,8 @@ from typing import Literal
 
 from mpi4py import MPI
 
+from meshes.errors import GeometryError, MeshError
+from solvers.errors import SolverError
 from studies.compare import MERIDIAN_ORDER, main_quantity, scene_rows, tip_at, tip_convergence
 from studies.error_model import MERIDIAN_SHARE
 from studies.expectations import expectation_rows, sentence
@@ -84,11 +86,12 @@ def run_plan(
     if comm.rank == 0:
         folder.mkdir(parents=True, exist_ok=True)
         (folder / SCENE_FILE).write_text(scene_text, encoding="utf-8")
-    axisymmetric: list[Run] = []
-    for level in plan.meridian_levels:
-        if plan.stop_when_met and len(axisymmetric) >= 2 and _good_enough(scene, plan, axisymmetric):
+    certain = 2 if plan.stop_when_met else len(plan.meridian_levels)
+    axisymmetric = _axisymmetric_runs(scene, plan.meridian_levels[:certain], folder, comm, progress)
+    for level in plan.meridian_levels[certain:]:
+        if _good_enough(scene, plan, axisymmetric):
             break
-        axisymmetric.append(run_axisymmetric(scene, level, folder / f"axisymmetric-r{level}", comm, progress))
+        axisymmetric += _axisymmetric_runs(scene, (level,), folder, comm, progress)
     solid: dict[str, list[Run]] = {"sector": [], "full3d": []}
     if plan.around_levels:
 
@@ -114,6 +117,32 @@ def run_plan(
                 shutil.copyfile(source / name, folder / name)
     comm.barrier()
     return result
+
+
+def _axisymmetric_runs(
+    scene: Scene, levels: Sequence[int], folder: Path, comm: MPI.Comm, progress: Progress
+) -> list[Run]:
+    """Axisymmetric runs, each on one rank, shared out over all; known to every rank, in the order of the levels.
+
+    Raises
+    ------
+    GeometryError, MeshError, SolverError
+        On every rank, if a run failed.
+    """
+    mine: dict[int, Run] = {}
+    fault: Exception | None = None
+    for level in levels[comm.rank :: comm.size]:
+        try:
+            mine[level] = run_axisymmetric(scene, level, folder / f"axisymmetric-r{level}", MPI.COMM_SELF, progress)
+        except (GeometryError, MeshError, SolverError) as error:
+            fault = error
+            break
+    every = comm.allgather((mine, fault))
+    for _, failed in every:
+        if failed is not None:
+            raise failed
+    known = {level: run for of_rank, _ in every for level, run in of_rank.items()}
+    return [known[level] for level in levels]
 
 
 def good_meridian(scene: Scene, axisymmetric: Sequence[Run], levels: Sequence[int]) -> int | None:
