@@ -150,11 +150,15 @@ def build_forms(
         stored = (0.5 * mu * (k.i1_full - 3.0 - 2.0 * ufl.ln(k.j)) + 0.5 * lam * (k.j - 1.0) ** 2) * m
         dxs = measures["stiff"]
         stress = mu * (k.f - k.f_inv_t) + lam * (k.j - 1.0) * k.cof
-        h = grad_du
-        turn = k.f_inv_t * h.T * k.f_inv_t
-        s = ufl.inner(k.cof, h)
-        stress_increment = mu * (h + turn) + lam * ((s + (k.j - 1.0) * s / k.j) * k.cof - (k.j - 1.0) * k.j * turn)
         internal += ufl.inner(stress, grad_v) * m * dxs
-        tangent += ufl.inner(stress_increment, grad_v) * m * dxs
+        tangent += ufl.inner(stiff_stress_increment(k, stiff, grad_du), grad_v) * m * dxs
         energy += stored * dxs
     return Forms(internal, tangent, energy)
+
+
+def stiff_stress_increment(k: Invariants, stiff: StiffSolid, h: Any) -> Any:
+    """Derivative of the stress of a compressible solid (see `build_forms`) in the direction grad du = h, MPa."""
+    mu, lam = stiff.mu_mpa, stiff.lame_lambda_mpa
+    turn = k.f_inv_t * h.T * k.f_inv_t
+    s = ufl.inner(k.cof, h)
+    return mu * (h + turn) + lam * ((s + (k.j - 1.0) * s / k.j) * k.cof - (k.j - 1.0) * k.j * turn)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any, Protocol
+
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
 from solvers.domain import FloatArray
 from solvers.errors import Cause, StepFailed
-from solvers.problem import Problem
+from solvers.state import Timer
 
 # MUMPS controls (users' guide 5.5). 13 = 1: no parallel root, whose negative pivots INFOG(12) would miss; 14: extra
 # workspace in percent; 24 = 1: null pivots are detected rather than divided by. The ordering is left to MUMPS: it takes
@@ -20,6 +22,23 @@ OUT_OF_CORE = 3
 # INFOG(1): workspace estimated too small; memory not to be had from the system or not within ICNTL(23).
 TOO_LITTLE_WORKSPACE = (-8, -9, -14, -15, -20)
 TOO_LITTLE_MEMORY = (-13, -19)
+
+
+class Factored(Protocol):
+    """What has a tangent to factor: a `solvers.problem.Problem`, or a harmonic about its state."""
+
+    timer: Timer
+    owned: int
+    extra: int
+
+    @property
+    def comm(self) -> Any: ...  # noqa: D102
+    @property
+    def conservative(self) -> bool: ...  # noqa: D102
+    @property
+    def expected_negatives(self) -> int: ...  # noqa: D102
+    def new_matrix(self) -> Any: ...  # noqa: D102
+    def assemble_tangent(self, matrix: Any) -> None: ...  # noqa: D102
 
 
 class Factor:
@@ -35,7 +54,7 @@ class Factor:
         How far up LADDER the factorisation had to go for want of memory.
     """
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: Factored) -> None:
         self.problem = problem
         with problem.timer("pattern"):
             self.matrix = problem.new_matrix()

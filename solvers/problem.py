@@ -136,6 +136,7 @@ class Problem:
     ) -> None:
         compat.align_counters()
         self.domain, self.comm = domain, domain.comm
+        self.surfaces, self.stiff, self.bodies, self.inverse_kappa = surfaces, stiff, bodies, float(inverse_kappa)
         self.timer = Timer()
         mesh = domain.mesh
         self.dimension = mesh.geometry.dim
@@ -146,7 +147,7 @@ class Problem:
         self.index_map = self.space.dofmap.index_map
         self._number_unknowns()
 
-        degree = quadrature_degree or QUADRATURE_DEGREE[domain.cell_name]
+        self.quadrature_degree = degree = quadrature_degree or QUADRATURE_DEGREE[domain.cell_name]
         assert frame is None or bodies is None
         self.frame = np.eye(self.dimension) if frame is None else frame
         kin = kinematics(mesh, domain.axisymmetric, None if frame is None else fem.Constant(mesh, frame))

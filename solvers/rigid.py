@@ -135,6 +135,8 @@ class BondedBodies:
 
         slip = y - arm
         pull = traction(slip)
+        # what the harmonics of an axisymmetric state need of the bond
+        self.arm, self.slip, self.traction, self.grade, self.measure = arm, slip, traction, grade, measure
         s0, s1 = self._spins
         d0, d1 = (back * shift for shift in self._shifts)
         second = (
