@@ -6,8 +6,8 @@ A body follows m = 0 axially and by a spin, m = 1 laterally and by a tilt, and n
     e_v = v,  e_t = -t,  e_w = -W y,  e_vw = -W v,  e_ww = W W y,  e_tw = W t
 
 and the second of the bond's energy is ``int T(e_i) . e_j + T(e) . e_ij``. The products of the first are those of the
-harmonic, pi over the angle (2 pi at m = 0); e_ww and e_tw meet the state's traction T(e), which does not change with the
-angle, so that their own averages are taken. With rotations linearised rings would seem to lose stability by tilting.
+harmonic, pi over the angle (2 pi at m = 0); e_ww and e_tw meet the state's traction T(e), which does not change with
+the angle, so that their own averages are taken. With rotations linearised rings would seem to tilt at no cost.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ SHAPE_ITERATIONS = 30
 
 @dataclass(frozen=True)
 class ModeCrossing:
-    """Where along an axisymmetric path the number of unstable modes of a harmonic changes.
+    """Where along an axisymmetric path the number of unstable modes of a harmonic changes first.
 
     Attributes
     ----------
@@ -135,43 +135,43 @@ class ModeCounter:
 
 
 def mode_crossings(
-    counter: ModeCounter, factor: Factor, points: Sequence[PathPoint], tolerance: float = 1e-3
+    counter: ModeCounter,
+    factor: Factor,
+    points: Sequence[PathPoint],
+    counts: Sequence[tuple[int, ...]],
+    tolerance: float = 1e-3,
 ) -> list[ModeCrossing]:
-    """All changes of the counts along neighbouring states of an axisymmetric path, each located by bisection.
+    """Where along an axisymmetric path the count of each harmonic changes first, located by bisection.
 
     Parameters
     ----------
     counter, factor
         Of the path's problem; the problem's state is spoilt.
-    points
-        Converged states in the path's order.
+    points, counts
+        Converged states in the path's order, and the counts of the counter's harmonics at each.
     tolerance
         Pressures of the two states around a crossing differ by less than this share.
 
     Returns
     -------
     list of ModeCrossing
-        In the order of the path; where a solve fails ``within_mpa`` is as wide as the interval stayed.
+        At most one for each harmonic, in the order of the path; where a solve fails ``within_mpa`` is as wide as the
+        interval stayed.
 
     Raises
     ------
     SolverError
         See `ModeCounter.count`.
     """
-    found: list[ModeCrossing] = []
-    counts = [counter.counts(point.state) for point in points]
-    for (before, after), (old, new) in zip(
-        zip(points[:-1], points[1:], strict=True), zip(counts[:-1], counts[1:], strict=True), strict=True
-    ):
-        here = []
-        for m, low, high in zip(counter.waves, old, new, strict=True):
-            start = before
-            while low != high:
-                start, crossing = _locate(counter, factor, m, (start, low), (after, high), tolerance)
-                here.append(crossing)
-                low = crossing.after
-        found += sorted(here, key=lambda c: c.volume_mm3)
-    return found
+    found = []
+    for k, waves in enumerate(counter.waves):
+        of_harmonic = [count[k] for count in counts]
+        place = next((i for i in range(1, len(points)) if of_harmonic[i] != of_harmonic[i - 1]), None)
+        if place is not None:
+            before, after = zip(points[place - 1 : place + 1], of_harmonic[place - 1 : place + 1], strict=True)
+            found.append((place, _locate(counter, factor, waves, before, after, tolerance)))
+    # a volume may come twice, a place may have several harmonics
+    return [crossing for _, crossing in sorted(found, key=lambda pair: (pair[0], pair[1].volume_mm3))]
 
 
 def _locate(
@@ -181,8 +181,8 @@ def _locate(
     before: tuple[PathPoint, int],
     after: tuple[PathPoint, int],
     tolerance: float,
-) -> tuple[PathPoint, ModeCrossing]:
-    """The first change of a harmonic's count between two states with their counts, and the state just after it."""
+) -> ModeCrossing:
+    """The first change of a harmonic's count between two states with their counts."""
     (low, count), (high, beyond) = before, after
     width = 1.0
     for _ in range(BISECTIONS):
@@ -198,7 +198,7 @@ def _locate(
             low, width = middle, width * (1.0 - share)
         else:
             high, beyond, width = middle, found, width * share
-    return high, ModeCrossing(
+    return ModeCrossing(
         waves,
         0.5 * (low.pressure_mpa + high.pressure_mpa),
         0.5 * abs(high.pressure_mpa - low.pressure_mpa),

@@ -74,7 +74,7 @@ def _run_axisymmetric(folder: Path, scenes: dict[Case, Scene], comm: MPI.Comm, p
     for (case, level), *same in jobs[comm.rank :: comm.size]:
         place = folder / case.place / f"axisymmetric-r{level}"
         try:
-            run = run_axisymmetric(scenes[case], level, place, MPI.COMM_SELF, progress)
+            run = run_axisymmetric(scenes[case], level, place, MPI.COMM_SELF, progress, scenes[case].ask.modes)
         except (GeometryError, MeshError, SolverError) as error:
             faults.append(f"{case.place} r{level}: {error}")
             continue

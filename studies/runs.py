@@ -34,6 +34,7 @@ from studies import provenance
 from studies.build import SECTORS, Tip, masses_g, revolve_state, scene_body, scene_meridian, scene_problem
 from studies.gaps import GapMeter
 from studies.levels import BodyLevel
+from studies.modes_run import COUNTED_LEVELS, with_modes
 from studies.progress import Progress
 from studies.results import (
     PathRow,
@@ -125,7 +126,9 @@ def _closed_form_tip(scene: Scene) -> tuple[list[float], list[float]]:
     return closed_form(dimensions, law, pressures).elongation_mm.tolist(), [0.0] * len(pressures)
 
 
-def run_axisymmetric(scene: Scene, refinement: int, folder: Path, comm: MPI.Comm, progress: Progress) -> Run:
+def run_axisymmetric(
+    scene: Scene, refinement: int, folder: Path, comm: MPI.Comm, progress: Progress, modes: bool = False
+) -> Run:
     """The axisymmetric path of a scene on one mesh, solved on rank 0 and known to all.
 
     Parameters
@@ -134,6 +137,8 @@ def run_axisymmetric(scene: Scene, refinement: int, folder: Path, comm: MPI.Comm
         Meridian level: 1, 2, 4.
     folder
         Where the run is kept; what is there of the same content is used.
+    modes
+        True to count the unstable modes of m = 0…6 at the asked pressures, on the meridians that are counted.
 
     Returns
     -------
@@ -152,6 +157,8 @@ def run_axisymmetric(scene: Scene, refinement: int, folder: Path, comm: MPI.Comm
             answer = finished_run(folder, content_hash)
             if answer is None or not _has_states(folder, content_hash, answer):
                 answer = _solve_axisymmetric(scene, refinement, folder, progress)
+            if modes and refinement in COUNTED_LEVELS:
+                answer = with_modes(scene, refinement, folder, answer)
         except Exception as error:
             answer = error
     answer = comm.bcast(answer)

@@ -131,11 +131,12 @@ class Load(Section):
 
 
 class Ask(Section):
-    """What is wanted, how exactly, and whether fields are to be written."""
+    """What is wanted, how exactly, whether fields are to be written, and unstable modes counted by harmonic."""
 
     quantities: list[Literal["tip_mm", "tip_force_n"]] = ["tip_mm"]
     tolerance_percent: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0
     fields: bool = False
+    modes: bool = True
 
 
 class Scene(Section):

@@ -240,8 +240,9 @@ def _expected_cost(variant: Variant) -> float:
 
 def _answer(variant: Variant, folder: Path) -> _Answer:
     """Solve a scene on this rank alone."""
-    scene = variant.scene
-    assert scene is not None
+    assert variant.scene is not None
+    ask = variant.scene.ask.model_copy(update={"modes": False})  # nobody looks at them
+    scene = variant.scene.model_copy(update={"ask": ask})
     try:
         result = run_plan(
             scene, variant.text, make_plan(scene), folder / variant.name, MPI.COMM_SELF, Progress(MPI.COMM_WORLD)

@@ -139,8 +139,7 @@ def test_drift_and_tilt_do_no_work_on_a_tilt_of_wall_and_plate(plated, name) -> 
     # the plate's share, A/2 U . n, without which its rim's would stand alone: 0.9 N mm
     share = 0.5 * float(problem.pressure.value) * problem.bodies.plate_area_mm2
     assert share > 0.8
-    print(name, work, share)
-    # asked: nothing; the rim slips by 1e-6 of its radius in the layer of the bond
+    # asked: nothing; measured 2e-7 and 1e-5 of it, what the rim slips in the layer of the bond
     assert abs(work) < 1e-4 * share
 
 
@@ -203,19 +202,21 @@ def test_ring_buckles_at_the_exact_pressures_in_two_and_three_waves(strip, sides
     factor = Factor(problem)
     path = follow_path(problem, factor, [0.5 * exact[2], 1.05 * max(exact.values())], PathSettings())
     counter = ModeCounter(problem)
-    found = {c.waves: c for c in mode_crossings(counter, factor, [point_of(s) for s in path.states], 1e-5)}
+    counts = [counter.counts(item.state) for item in path.states]
+    points = [point_of(item) for item in path.states]
+    found = {c.waves: c for c in mode_crossings(counter, factor, points, counts, 1e-5)}
     # drift and spin are free and cost nothing: no count; four waves buckle later
     assert set(found) == {2, 3}
     for m in (2, 3):
         assert (found[m].before, found[m].after) == (0, 1)
-        # asked 1 %; measured 1e-5 and less with four cells through the wall
-        assert found[m].pressure_mpa == pytest.approx(exact[m], rel=2e-5)
+        # asked 1 %; measured 2e-5 (two waves) and 6e-5 (three) with four cells through the wall
+        assert found[m].pressure_mpa == pytest.approx(exact[m], rel=1e-4)
         a, c, b = found[m].shape.amplitude_mm.T
         assert np.abs(c).max() < 1e-6
-        # a ring bends without stretching its middle line: a + m b = 0 there
+        # a thin ring bends without stretching its middle line: a + m b = 0 there, measured 0.95 in this thick one
         middle = np.isclose(problem.domain.mesh.geometry.x[:, 0], 11.0)
         at = problem.domain.input_node[middle]
-        assert b[at] / a[at] == pytest.approx(-1.0 / m, rel=0.05)
+        assert b[at] / a[at] == pytest.approx(-1.0 / m, rel=0.1)
 
 
 def test_counts_agree_with_ritz_beyond_the_first_buckling(strip, sides, make_problem) -> None:
@@ -240,7 +241,9 @@ def test_what_has_no_harmonics_is_refused(strip, sides, make_problem, coarse_sol
     solid = make_problem(coarse_solid, NeoHooke(0.1), cavity=FACETS["cavity"], clamped=FACETS["clamped"])
     with pytest.raises(SolverError, match="meridian on one rank"):
         Harmonics(solid)
-    free_edge = make_problem(strip(10.0, 12.0, 4.0, 1, 2), NeoHooke(0.1), cavity=sides.cavity, held=((sides.bottom, 1),))
+    free_edge = make_problem(
+        strip(10.0, 12.0, 4.0, 1, 2), NeoHooke(0.1), cavity=sides.cavity, held=((sides.bottom, 1),)
+    )
     assert not free_edge.conservative
     with pytest.raises(SolverError, match="conservative"):
         Harmonics(free_edge)
