@@ -7,7 +7,7 @@ PYTHON := .venv/bin/python
 MPIRUN ?= /usr/bin/mpirun
 SCENES ?= $(wildcard scenes/*.toml)
 SWEEP ?= sweeps/heung-map.toml
-EXAMPLES ?= paper exact closed-form dimensions sweep stability cost error-model peers
+EXAMPLES ?= paper exact closed-form dimensions sweep stability cost error-model peers modes
 
 # --- ranks and threads ----------------------------------------------------------------------
 # One rank: BLAS may use all cores. Several ranks: one thread each, or they fight for the cores. Two ranks
@@ -114,6 +114,10 @@ sweep: check ## run all scenes of SWEEP, a sweep file -> results/sweeps/NAME
 study-stability: check ## stress test: hundreds of cells, none may be a wrong answer -> results/stability
 	$(LAUNCH) -m studies stability --out results/stability
 
+.PHONY: study-modes
+study-modes: check ## modes that break the symmetry: from which pressure on, in which shape -> results/modes
+	$(LAUNCH) -m studies modes --out results/modes
+
 .PHONY: study-peers
 study-peers: check ## the same bellows in CalculiX, NGSolve, FElupe and the tutorial way; hours -> results/peers
 	$(PYTHON) -m studies.peers.environment
@@ -164,7 +168,7 @@ example: ## keep the reports of EXAMPLES (default: all) from results in docs; fi
 	for study in $(EXAMPLES); do \
 		[ -e results/$$study/report.md ] || continue; \
 		rm -rf docs/$$study; mkdir -p docs/$$study; \
-		for part in report.md rows.csv members.csv sweep.csv pictures paths; do \
+		for part in report.md rows.csv crossings.csv members.csv sweep.csv pictures paths; do \
 			[ ! -e results/$$study/$$part ] || cp -r results/$$study/$$part docs/$$study/; \
 		done; \
 		sed -i '/\.vtu)$$/d' docs/$$study/report.md; \
