@@ -304,11 +304,16 @@ def modes_command(scenes: tuple[Path, ...], out: Path, full3d: bool) -> None:
     _writable(out)
     names = [model.scene.name for model, _ in models]
     confirmed = (names if full3d else []) if scenes else list(modes_study.CONFIRMED)
-    results = modes_study.run_study(models, confirmed, not scenes, out, MPI.COMM_WORLD)
+    try:
+        results, faults = modes_study.run_study(models, confirmed, not scenes, out, MPI.COMM_WORLD)
+    except OSError as error:
+        sys.exit(_cannot_write("modes", error))
+    for fault in faults if MPI.COMM_WORLD.rank == 0 else []:
+        click.echo(fault, err=True)
     for entry in modes_study.headlines([r for result in results for r in result.rows]):
         _out(f"{entry.scene}  {_shown(entry)}")
     _out(f"report: {out / 'report.html'}")
-    sys.exit(0 if all(result.reached for result in results) else STOPPED)
+    sys.exit(STOPPED if faults or not all(result.reached for result in results) else 0)
 
 
 @main.command("exact")

@@ -39,7 +39,7 @@ def write_report(folder: Path, results: Sequence[SceneModes], rows: Sequence[Row
         "summary": _summary(results, bodies, rings),
         "crossings": _crossings(results),
         "counts": _counts(results),
-        "finest": "r2",
+        "finest": "" if first is None else results[0].runs[-1].summary.level,
         "bodies": _bodies(bodies),
         "band": f"{100.0 * BAND:g}",
         "rings": _rings(rings),
@@ -55,7 +55,7 @@ def write_report(folder: Path, results: Sequence[SceneModes], rows: Sequence[Row
 
 def _summary(results: Sequence[SceneModes], bodies: Sequence[Row], rings: Sequence[Row]) -> list[str]:
     lines = []
-    stable = [r for r in results if r.reached and not any(any(counts_of(p)) for p in r.runs[-1].path)]
+    stable = [r for r in results if r.reached and not any(any(counts_of(p)) for run in r.runs for p in run.path)]
     if stable:
         names = ", ".join(f"{r.model.scene.name} (to {r.model.loads_kpa[-1]:g} kPa)" for r in stable)
         lines.append(f"Stable in m = 0…6 at every asked pressure, on both meridians: {names}.")
@@ -72,11 +72,8 @@ def _summary(results: Sequence[SceneModes], bodies: Sequence[Row], rings: Sequen
                 f"{rounded_up(spread, 2):g} kPa{force}; {_meaning(found.waves)}."
             )
     if bodies:
-        same = sum(r.value == r.reference for r in bodies)
-        lines.append(
-            f"Whole bodies in 3D have the same count at {same} of {len(bodies)} states, each {100.0 * BAND:g} % below or "
-            "above a crossing."
-        )
+        same, share = sum(r.value == r.reference for r in bodies), f"{100.0 * BAND:g} %"
+        lines.append(f"Whole bodies in 3D count the same at {same} of {len(bodies)} states {share} beside a crossing.")
     if rings:
         worst = max(abs(r.error_percent) for r in rings if r.level == rings[-1].level)
         lines.append(
@@ -96,8 +93,8 @@ def _meaning(waves: int) -> str:
 def _caption(result: SceneModes, waves: int) -> str:
     found = next(c for c in result.crossings[-1] if c.waves == waves)
     return (
-        f"{result.model.scene.name} at {found.pressure_kpa:.4g} kPa: straight, and with its critical mode m = {waves} added "
-        "(its size is nobody's: drawn as 0.4 of the body's radius). Half section; rings are not drawn."
+        f"{result.model.scene.name} at {found.pressure_kpa:.4g} kPa: straight, and with its critical mode m = {waves} "
+        "added (its size is nobody's: drawn as 0.4 of the body's radius). Half section; rings are not drawn."
     )
 
 
@@ -163,7 +160,7 @@ def _rings(rows: Sequence[Row]) -> Table:
         (
             r.scene.removeprefix("ring-"),
             r.quantity.split("_")[1].removeprefix("m"),
-            r.level,
+            r.level.removeprefix("r"),
             f"{r.value:.6g}",
             f"{r.reference:.6g}",
             f"{signed(r.error_percent)}" if abs(r.error_percent) >= 0.01 else f"{r.error_percent:+.4f}",

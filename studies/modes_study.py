@@ -10,6 +10,8 @@ from typing import Final
 
 from mpi4py import MPI
 
+from meshes.errors import GeometryError, MeshError
+from solvers.errors import SolverError
 from solvers.modes import WAVES
 from studies import provenance
 from studies.compare import MERIDIAN_ORDER
@@ -21,7 +23,7 @@ from studies.modes_pictures import draw_mode
 from studies.modes_ring import ring_rows
 from studies.modes_run import COUNTED_LEVELS, FoundCrossing, counts_of, read_crossings
 from studies.progress import Progress
-from studies.rows import Row, is_reached, row, write_rows
+from studies.rows import Row, row, write_rows
 from studies.run_log import Run
 from studies.uncertainty import UNKNOWN, Convergence, from_two
 
@@ -184,7 +186,7 @@ def _none_up_to(run: Run) -> str:
 
 def run_study(
     models: Sequence[tuple[ModesModel, str]], confirmed: Sequence[str], with_ring: bool, out: Path, comm: MPI.Comm
-) -> list[SceneModes]:
+) -> tuple[list[SceneModes], list[str]]:
     """Count the modes of scenes, shared out over the ranks, and write rows.csv and crossings.csv; every rank calls.
 
     Parameters
@@ -200,15 +202,19 @@ def run_study(
 
     Returns
     -------
-    list of SceneModes
-        Of all scenes, on every rank.
+    tuple of list
+        What was found of the scenes, and which failed and why; on every rank.
     """
     progress = Progress(comm)
-    mine = [
-        (k, scene_modes(model, text, out, model.scene.name in confirmed, progress))
-        for k, (model, text) in list(enumerate(models))[comm.rank :: comm.size]
-    ]
+    mine: list[tuple[int, SceneModes]] = []
+    faults = []
+    for k, (model, text) in list(enumerate(models))[comm.rank :: comm.size]:
+        try:
+            mine.append((k, scene_modes(model, text, out, model.scene.name in confirmed, progress)))
+        except (GeometryError, MeshError, SolverError) as error:
+            faults.append(f"{model.scene.name}: {error}")
     pairs = [pair for part in comm.allgather(mine) for pair in part]
+    faults = [fault for part in comm.allgather(faults) for fault in part]
     results = [result for _, result in sorted(pairs, key=lambda pair: pair[0])]
     if comm.rank == 0:
         rows = [entry for result in results for entry in result.rows]
@@ -219,9 +225,9 @@ def run_study(
 
         write_report(out, results, rows)
     comm.barrier()
-    return results
+    return results, faults
 
 
 def headlines(rows: Sequence[Row]) -> list[Row]:
-    """Rows for a terminal: crossings, and counts on whole bodies."""
-    return [r for r in rows if r.quantity.startswith("crossing") and (is_reached(r) or "none" in r.status)]
+    """Rows for a terminal: the pressures of crossings, and counts on whole bodies."""
+    return [r for r in rows if r.rung == "full3d" or (r.quantity.startswith("crossing") and r.unit == "kPa")]

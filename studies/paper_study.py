@@ -34,6 +34,9 @@ from studies.session import SCENE_FILE, SceneResult, read_scene_folder, run_plan
 
 SCENES = provenance.ROOT / "scenes"
 
+# Cases whose states are counted by harmonic: those that somebody may build, and those that bend sideways.
+COUNTED_GROUPS = ("core", "blocked")
+
 
 def write_scenes(folder: Path, cases: Sequence[Case]) -> None:
     """Write the scene file of every case into its folder, where it differs from what is there."""
@@ -74,7 +77,8 @@ def _run_axisymmetric(folder: Path, scenes: dict[Case, Scene], comm: MPI.Comm, p
     for (case, level), *same in jobs[comm.rank :: comm.size]:
         place = folder / case.place / f"axisymmetric-r{level}"
         try:
-            run = run_axisymmetric(scenes[case], level, place, MPI.COMM_SELF, progress, scenes[case].ask.modes)
+            modes = case.group in COUNTED_GROUPS
+            run = run_axisymmetric(scenes[case], level, place, MPI.COMM_SELF, progress, modes)
         except (GeometryError, MeshError, SolverError) as error:
             faults.append(f"{case.place} r{level}: {error}")
             continue
