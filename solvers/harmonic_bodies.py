@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from solvers import compat
 from solvers.domain import FloatArray
-from solvers.harmonic_forms import amplitudes
+from solvers.harmonic_forms import Wave
 from solvers.kinematics import Kinematics
 from solvers.rigid import BondedBodies, RigidBodies
 
@@ -79,18 +79,18 @@ class HarmonicBond:
         Mixed space of the harmonic's unknowns.
     kin
         Kinematics of the meridian.
-    weight
-        Integral over the angle, a UFL constant.
+    wave
+        The harmonic.
     """
 
-    def __init__(self, bonded: BondedBodies, bodies: RigidBodies, space: Any, kin: Kinematics, weight: Any) -> None:
+    def __init__(self, bonded: BondedBodies, bodies: RigidBodies, space: Any, kin: Kinematics, wave: Wave) -> None:
         self._bonded, self._bodies = bonded, bodies
         mesh = space.mesh
         self._index_map = space.dofmap.index_map
-        v, dv = amplitudes(ufl.TestFunctions(space)[0]), amplitudes(ufl.TrialFunctions(space)[0])
+        v, dv = (wave.amplitudes(f(space)[0]) for f in (ufl.TestFunctions, ufl.TrialFunctions))
         per_cell = fem.FunctionSpace(mesh, ("DG", 0))
         self._cell_map, pick = per_cell.dofmap.index_map, ufl.TestFunction(per_cell)
-        scale, at = bonded.grade * weight * kin.position[0], bonded.measure
+        scale, at = bonded.grade * wave.weight * kin.position[0], bonded.measure
         self._shifts = [fem.Constant(mesh, np.zeros(3)) for _ in range(2)]
         self._turns = [fem.Constant(mesh, np.zeros((3, 3))) for _ in range(2)]
         self._twice, self._mixed = fem.Constant(mesh, np.zeros((3, 3))), fem.Constant(mesh, np.zeros(3))

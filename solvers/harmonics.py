@@ -18,7 +18,6 @@ tangent singular; one displacement is then pinned, which takes away nothing else
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,7 +31,7 @@ from solvers import compat
 from solvers.domain import FloatArray, IntArray
 from solvers.errors import SolverError
 from solvers.harmonic_bodies import MOTIONS, HarmonicBond
-from solvers.harmonic_forms import harmonic_load, harmonic_tangent
+from solvers.harmonic_forms import harmonic_load, harmonic_tangent, new_wave
 from solvers.kinematics import kinematics
 from solvers.loads import DEAD
 from solvers.problem import SOFT, STIFF, Problem
@@ -102,7 +101,7 @@ class Harmonics:
         self.bodies = 0 if problem.bonded is None else problem.bonded.count
         self.extra = MOTIONS * self.bodies
         self.bond: HarmonicBond | None = None
-        self._m, self._weight = fem.Constant(mesh, 0.0), fem.Constant(mesh, 2.0 * math.pi)
+        self._wave = new_wave(mesh)
         self._number_unknowns()
         self._find_supports()
         self._coupled = self._coupled_dofs()
@@ -119,16 +118,16 @@ class Harmonics:
         if problem.stiff is not None:
             measures = {"soft": dx(SOFT), "stiff": dx(STIFF)}
         inverse_kappa = fem.Constant(mesh, problem.inverse_kappa)
-        m, weight = self._m, self._weight
+        wave = self._wave
         tangent = harmonic_tangent(
-            self.space, problem.state, kin, problem.law, inverse_kappa, problem.stiff, measures, m, weight
+            self.space, problem.state, kin, problem.law, inverse_kappa, problem.stiff, measures, wave
         )
         kind, loaded = problem.surfaces.load
         if kind not in DEAD:
-            tangent -= problem.pressure * harmonic_load(self.space, problem.state, kin, ds(loaded), m, weight)
+            tangent -= problem.pressure * harmonic_load(self.space, problem.state, kin, ds(loaded), wave)
         bodies = self.problem.bodies
         if problem.bonded is not None and bodies is not None:
-            self.bond = HarmonicBond(problem.bonded, bodies, self.space, kin, weight)
+            self.bond = HarmonicBond(problem.bonded, bodies, self.space, kin, wave)
             tangent += self.bond.stiffness
         self._tangent = compat.compile_form(tangent)
         if self.bond is not None:
@@ -182,7 +181,7 @@ class Harmonics:
     def select(self, waves: int) -> None:
         """Go over to a harmonic m >= 0: the next tangent is K_m."""
         self.waves = waves
-        self._m.value, self._weight.value = float(waves), math.pi if waves else 2.0 * math.pi
+        self._wave.set(waves)
         on_axis = self.u_dofs[self._on_axis].T
         smooth = {0: (0, 2), 1: (1, 2)}.get(waves, (0, 1, 2))
         fixed = [np.union1d(d, on_axis[i]) if i in smooth else d for i, d in enumerate(self._held)]
@@ -282,7 +281,6 @@ class Harmonics:
 
     def shape_of(self, dofs: FloatArray, bodies: FloatArray) -> Shape:
         """Amplitudes in the caller's numbering of unknowns (owned,) and (extra,) of the current harmonic."""
-        a, c, s = dofs[self.u_dofs].T
         out = np.zeros((self.domain.nodes, 3))
-        out[self.domain.input_node] = np.column_stack([a, c, s - a])
+        out[self.domain.input_node] = self._wave.values(dofs[self.u_dofs])
         return Shape(self.waves, out, bodies.reshape(self.bodies, MOTIONS))

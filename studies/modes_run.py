@@ -203,6 +203,11 @@ def _count(
         if saved is None:
             raise SolverError(f"{folder}: the state at {row.pressure_kpa:g} kPa is missing or damaged: run it again")
         counts.append(counter.counts(saved[0]))
+        if counts[-1][0] < row.unstable_modes:
+            raise SolverError(
+                f"at {row.pressure_kpa:g} kPa the axisymmetric tangent has {row.unstable_modes:g} unstable modes, m = 0 "
+                f"only {counts[-1][0]}, which has them all and twists: refine the mesh"
+            )
         points.append(PathPoint(saved[0], problem.cavity_volume(), math.nan, None))
         by_pressure[row.pressure_kpa] = counts[-1]
     factor = Factor(problem)

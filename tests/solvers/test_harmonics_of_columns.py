@@ -36,7 +36,7 @@ def column(strip, sides, make_problem, length_mm: float, along: int, around: int
     return SimpleNamespace(mesh=mesh, problem=problem, factor=Factor(problem))
 
 
-def push(case: SimpleNamespace, force_n: float, pressure_mpa: float) -> tuple[State, int]:
+def push(case: SimpleNamespace, force_n: float, pressure_mpa: float) -> tuple[State, int | None]:
     """Equilibrium of the straight column, and its own count of unstable modes."""
     case.problem.bonded.dead_force_n = -force_n
     report = solve_equilibrium(case.problem, case.factor, NewtonSettings(), pressure_mpa=pressure_mpa)
@@ -57,11 +57,11 @@ def test_slender_column_buckles_at_eulers_load(strip, sides, make_problem) -> No
     length = 150.0
     case = column(strip, sides, make_problem, length, 40)
     counter = ModeCounter(case.problem, (0, 1, 2, 3))
-    # one end clamped, the other free: pi^2 E I / (4 L^2), E = 3 mu; shear and compression take off 1e-3 of it
+    # one end clamped, the other free: pi^2 E I / (4 L^2), E = 3 mu
     moment = 0.25 * np.pi * (OUTER_MM**4 - INNER_MM**4)
     euler = np.pi**2 * 3.0 * MU_MPA * moment / (4.0 * length**2)
     found = critical_force_n(case, counter, 0.0, 1.2 * euler)
-    print(found / euler - 1.0)
+    # measured 0.6 % above: the clamp holds the wall's thickness too
     assert found == pytest.approx(euler, rel=0.01)
     state, _ = push(case, 1.05 * euler, 0.0)
     assert counter.counts(state) == (0, 1, 0, 0)
