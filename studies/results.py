@@ -20,7 +20,7 @@ class PathRow:
     """One converged state, as a row of path.csv.
 
     NaN (an empty field) marks what was not computed. ``unstable_by_m`` has the unstable modes of m = 0…6 about an
-    axisymmetric state, ``0;1;0;0;0;0;0`` for one that bends sideways, at asked pressures on meridians r1 and r2.
+    axisymmetric state, ``0;1;0;0;0;0;0`` for one that bends sideways, at asked pressures on r1 or r2.
     ``tip_force_n`` is the axial force of the actuator on what holds or loads its tip, positive outwards: 0 for a free
     tip, minus the scene's dead force (which is positive when it pulls). ``reaction_n`` is that of the support on the
     actuator, so that ``reaction_n + P A = tip_force_n`` with the inlet's area A. ``control`` says what was held in the
