@@ -48,8 +48,7 @@ def expectation_rows(scene: Scene, axisymmetric: Sequence[Run], bodies: Sequence
     if bodies:
         checked += _around_percent(scene, answer, axisymmetric)
     expected = _work_s(scene, axisymmetric, bodies)
-    # the model knows nothing of counting modes
-    done = sum(run.summary.time_s["total"] - run.summary.time_s.get("modes", 0.0) for run in runs)
+    done = sum(run.summary.time_s["total"] for run in runs)
     found = {
         PREDICTED_ERROR: ("%", predicted_error_percent(scene, rung, level)),
         CHECKED_ERROR: ("%", checked),

@@ -165,8 +165,7 @@ def count_run(
     )
     for waves, content in shapes.items():
         write_atomically(shape_file(folder, waves), content)
-    seconds = time.perf_counter() - start
-    times = {**run.summary.time_s, "modes": seconds, "total": run.summary.time_s["total"] + seconds}
+    times = {**run.summary.time_s, "modes": time.perf_counter() - start}
     notes = [note for note in run.summary.plan if not note.startswith(WARNING)]
     summary = dataclasses.replace(run.summary, time_s=times, plan=(*notes, *(_note(c) for c in found)))
     write_path(folder, rows)
