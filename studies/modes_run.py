@@ -165,13 +165,13 @@ def count_run(
     )
     for waves, content in shapes.items():
         write_atomically(shape_file(folder, waves), content)
-    times = {**run.summary.time_s, "modes": time.perf_counter() - start}
     notes = [note for note in run.summary.plan if not note.startswith(WARNING)]
-    summary = dataclasses.replace(run.summary, time_s=times, plan=(*notes, *(_note(c) for c in found)))
+    summary = dataclasses.replace(run.summary, plan=(*notes, *(_note(c) for c in found)))
     write_path(folder, rows)
     write_summary(folder, summary)
     entries = [{k: None if v != v else v for k, v in asdict(c).items()} for c in found]
-    record = {"content_hash": summary.content_hash, "waves": list(WAVES), "crossings": entries}
+    seconds = time.perf_counter() - start
+    record = {"content_hash": summary.content_hash, "waves": list(WAVES), "seconds": seconds, "crossings": entries}
     write_text_atomically(folder / MODES_FILE, json.dumps(record, indent=1, allow_nan=False) + "\n")
     return Run(summary, rows)
 

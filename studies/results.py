@@ -69,7 +69,7 @@ class RunSummary:
     silicone_g, ring_g
         Masses from the mesh, g; rings are computed from their section when they are not meshed.
     time_s
-        Wall seconds by activity; ``total`` is the whole run, ``modes`` the counts by harmonic made after it.
+        Wall seconds by activity; ``total`` is the whole run (modes.json has those of the counts made after it).
     peak_mb
         Peak resident memory of all ranks together.
     versions, blas, ranks, threads, commit, when
