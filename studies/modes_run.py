@@ -37,7 +37,7 @@ MODES_FILE = "modes.json"
 # Meridian refinements that are counted: crossings on r1 and r2 differ by 0.3 % at most, and a state on r4 takes four
 # times as long as on r2 (docs/decisions.md).
 COUNTED_LEVELS = (1, 2)
-WARNING = "warning: unstable against m = "
+WARNING, NOT_COUNTED = "warning: unstable against m = ", "warning: modes by harmonic are not counted: "
 
 
 @dataclass(frozen=True)
@@ -157,16 +157,16 @@ def count_run(
     try:
         counts, found, shapes = _count(folder, run, make_problem(), tip_mm, at_rest)
     except (SolverError, StepFailed) as error:
-        note = f"warning: modes by harmonic are not counted: {error}"
-        return Run(dataclasses.replace(run.summary, plan=(*run.summary.plan, note)), run.path)
+        summary = dataclasses.replace(run.summary, plan=(*_other_notes(run), f"{NOT_COUNTED}{error}"))
+        write_summary(folder, summary)
+        return Run(summary, run.path)
     rows = tuple(
         dataclasses.replace(row, unstable_by_m=counts_text(counts[row.pressure_kpa])) if row.status == "asked" else row
         for row in run.path
     )
     for waves, content in shapes.items():
         write_atomically(shape_file(folder, waves), content)
-    notes = [note for note in run.summary.plan if not note.startswith(WARNING)]
-    summary = dataclasses.replace(run.summary, plan=(*notes, *(_note(c) for c in found)))
+    summary = dataclasses.replace(run.summary, plan=(*_other_notes(run), *(_note(c) for c in found)))
     write_path(folder, rows)
     write_summary(folder, summary)
     entries = [{k: None if v != v else v for k, v in asdict(c).items()} for c in found]
@@ -174,6 +174,11 @@ def count_run(
     record = {"content_hash": summary.content_hash, "waves": list(WAVES), "seconds": seconds, "crossings": entries}
     write_text_atomically(folder / MODES_FILE, json.dumps(record, indent=1, allow_nan=False) + "\n")
     return Run(summary, rows)
+
+
+def _other_notes(run: Run) -> list[str]:
+    """A summary's notes but for those of an earlier count."""
+    return [note for note in run.summary.plan if not note.startswith((WARNING, NOT_COUNTED))]
 
 
 def _note(crossing: FoundCrossing) -> str:

@@ -112,6 +112,8 @@ def test_states_that_are_lost_are_told_and_the_run_stays(blocked) -> None:
     again = modes_run.with_modes(scene, 1, place, found)
     assert again.path == found.path
     assert "missing or damaged" in again.summary.plan[-1]
+    assert read_summary(place) == again.summary
+    assert modes_run.with_modes(scene, 1, place, again).summary.plan == again.summary.plan
 
 
 def test_nothing_is_counted_in_sweeps_or_where_it_is_not_asked(blocked, tmp_path) -> None:
