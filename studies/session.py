@@ -17,6 +17,7 @@ from studies.compare import MERIDIAN_ORDER, main_quantity, scene_rows, tip_at, t
 from studies.error_model import MERIDIAN_SHARE
 from studies.expectations import expectation_rows, sentence
 from studies.levels import BodyLevel, fineness, ranking
+from studies.modes_run import COUNTED_LEVELS
 from studies.plan import Plan
 from studies.progress import Progress
 from studies.results import PATH_FILE, SUMMARY_FILE, read_path, read_summary
@@ -92,6 +93,8 @@ def run_plan(
         if _good_enough(scene, plan, axisymmetric):
             break
         axisymmetric += _axisymmetric_runs(scene, (level,), folder, comm, progress)
+    if scene.ask.modes and plan.rung != "full3d":  # the whole body's inertia counts them all
+        axisymmetric = _counted(scene, axisymmetric, folder, comm, progress)
     solid: dict[str, list[Run]] = {"sector": [], "full3d": []}
     if plan.around_levels:
 
@@ -143,6 +146,16 @@ def _axisymmetric_runs(
             raise failed
     known = {level: run for of_rank, _ in every for level, run in of_rank.items()}
     return [known[level] for level in levels]
+
+
+def _counted(scene: Scene, runs: list[Run], folder: Path, comm: MPI.Comm, progress: Progress) -> list[Run]:
+    """The runs, the finest of those whose modes are counted with its counts."""
+    levels = [level for level in (fineness(run.summary.level) for run in runs) if level in COUNTED_LEVELS]
+    if not levels:
+        return runs
+    name = f"r{levels[-1]}"
+    run = run_axisymmetric(scene, levels[-1], folder / f"axisymmetric-{name}", comm, progress, modes=True)
+    return [run if old.summary.level == name else old for old in runs]
 
 
 def good_meridian(scene: Scene, axisymmetric: Sequence[Run], levels: Sequence[int]) -> int | None:
