@@ -131,6 +131,8 @@ def _solve(scene: AnyScene, text: str, plan: AnyPlan | None, out: Path, comm: MP
             click.echo(f"{scene.name}  {_shown(entry)}")
         if isinstance(result, session.SceneResult) and result.remark:
             click.echo(f"{scene.name}  {result.remark}")
+        for note in result.unstable if isinstance(result, session.SceneResult) else ():
+            click.echo(f"{scene.name}: {note}", err=True)
         if not result.reached:
             click.echo(f"{scene.name}: stopped early: {result.reason}", err=True)
     return 0 if result.reached else STOPPED

@@ -17,7 +17,7 @@ from studies.compare import MERIDIAN_ORDER, main_quantity, scene_rows, tip_at, t
 from studies.error_model import MERIDIAN_SHARE
 from studies.expectations import expectation_rows, sentence
 from studies.levels import BodyLevel, fineness, ranking
-from studies.modes_run import COUNTED_LEVELS
+from studies.modes_run import COUNTED_LEVELS, WARNING
 from studies.plan import Plan
 from studies.progress import Progress
 from studies.results import PATH_FILE, SUMMARY_FILE, read_path, read_summary
@@ -60,6 +60,11 @@ class SceneResult:
         """Rows for a terminal: what was asked."""
         wanted = {main_quantity(self.scene), *self.scene.ask.quantities}
         return tuple(r for r in self.rows if r.quantity in wanted)
+
+    @property
+    def unstable(self) -> tuple[str, ...]:
+        """Harmonics that the axisymmetric states lose, a sentence each."""
+        return tuple(n for run in self.axisymmetric for n in run.summary.plan if n.startswith(WARNING))
 
     @property
     def remark(self) -> str:

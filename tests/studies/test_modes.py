@@ -131,6 +131,18 @@ def test_nothing_is_counted_in_sweeps_or_where_it_is_not_asked(blocked, tmp_path
     assert list((tmp_path / "out").rglob("path.csv")) and not list((tmp_path / "out").rglob(modes_run.MODES_FILE))
 
 
+def test_solve_says_that_a_held_tip_bends_sideways(blocked) -> None:
+    _, folder = blocked
+    out = folder / "solved"
+    result = CliRunner().invoke(main, ["solve", str(folder / "blocked.toml"), "--out", str(out)])
+    assert result.exit_code == 0, result.output
+    assert "unstable against m = 1 (bends sideways) from 1.06" in result.output
+    # the answer's meridian is the one that is counted
+    rows = {row.pressure_kpa: row.unstable_by_m for row in read_path(out) if row.status == "asked"}
+    assert rows == {1.0: "0;0;0;0;0;0;0", 1.5: "0;1;0;0;0;0;0"}
+    assert not (out / "axisymmetric-r1" / modes_run.MODES_FILE).exists()
+
+
 def test_modes_command_writes_rows_and_draws_the_mode(tmp_path) -> None:
     scene = tmp_path / "tube.toml"
     scene.write_text(TUBE.format(name="tube", length=100.0), encoding="utf-8")
