@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from analytical.materials import DRAGON_SKIN_10, NeoHooke
+from analytical.materials import DRAGON_SKIN_10, PLA, NeoHooke, dragon_skin_30
 from analytical.ring import critical_pressure_mpa, first_buckling
 from analytical.sphere import Sphere, limit_point
 from analytical.tube import Tube
@@ -83,10 +83,9 @@ def motion(harmonics: Harmonics, waves: int, field, shift, turn) -> np.ndarray:
     a, c, b = field(*x.T)
     for i, values in enumerate((a, c, a + b if waves else b)):
         out[harmonics.u_dofs[:, i]] = values
-    bonded = problem.bonded
-    assert bonded is not None and problem.bodies is not None
-    z = problem.bodies.centres_mm + bonded.values[:, 0]
-    out[harmonics.owned :] = np.column_stack([shift(z), turn + 0.0 * z]).ravel()
+    if problem.bonded is not None and problem.bodies is not None:
+        z = problem.bodies.centres_mm + problem.bonded.values[:, 0]
+        out[harmonics.owned :] = np.column_stack([shift(z), turn + 0.0 * z]).ravel()
     return out
 
 
@@ -121,6 +120,32 @@ def test_rigid_motions_of_wall_and_rings_cost_nothing(bellows, name) -> None:
     assert size.max() > 0.1
     # measured 4e-13 (drift, spin) to 1e-10 (tilt: as well as the state is in equilibrium)
     assert np.abs(force).max() < 1e-9 * size.max()
+
+
+@pytest.mark.parametrize("name", RIGID)
+def test_rigid_motions_of_a_compressible_wall_with_a_stiff_cap_cost_nothing(
+    coarse_meridian, make_problem, name
+) -> None:
+    problem = make_problem(
+        coarse_meridian,
+        dragon_skin_30("2mu/alpha^2"),
+        0.02,
+        regions=coarse_meridian.regions,  # that of the cap has the number of stiff cells
+        stiff=PLA,
+        cavity=FACETS["cavity"],
+        clamped=FACETS["clamped"],
+        held=((FACETS["axis"], 0),),
+    )
+    path = follow_path(problem, Factor(problem), [0.004], TIGHT)
+    assert path.reached
+    problem.set_state(path.states[-1].state)
+    harmonics = Harmonics(problem)
+    waves, field, shift, turn = RIGID[name]
+    force, size = force_of(harmonics, waves, motion(harmonics, waves, field, shift, turn))
+    assert size.max() > 0.1
+    # forces of the stiff cap cancel to round-off
+    assert np.abs(force).max() < 1e-9 * size.max()
+    assert ModeCounter(problem).counts(path.states[-1].state) == (0,) * 7
 
 
 def test_a_body_that_turns_without_the_wall_does_cost(bellows) -> None:
