@@ -161,11 +161,13 @@ def test_closed_form_of_a_loaded_tip_is_refused_as_a_rung(write) -> None:
         make_plan(scene, "closed_form")
 
 
-def test_plan_says_what_the_axisymmetric_model_of_a_blocked_tip_cannot_see(write) -> None:
+def test_plan_says_what_is_not_seen_of_a_blocked_tip_whose_modes_are_not_counted(write) -> None:
     scene = load_scene(write("seen", 'tip = "blocked"'))
     text = describe(scene, make_plan(scene))
     assert "blocked tip" in text
-    assert "modes that bend the actuator sideways" in text
+    assert "modes that bend the actuator sideways" not in text
+    unseen = scene.model_copy(update={"ask": scene.ask.model_copy(update={"modes": False})})
+    assert "modes that bend the actuator sideways" in describe(unseen, make_plan(unseen))
 
 
 def test_tip_is_part_of_a_runs_identity(write) -> None:
