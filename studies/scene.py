@@ -119,7 +119,7 @@ class Load(Section):
     """
 
     pressure_kpa: Annotated[list[Annotated[float, Field(gt=0.0, allow_inf_nan=False)]], Field(min_length=1)]
-    control: Literal["auto", "pressure", "volume"] = "auto"
+    control: Literal["auto", "pressure", "volume", "arc"] = "auto"
     tip: Literal["free", "blocked"] = "free"
     tip_force_n: Annotated[float, Field(allow_inf_nan=False)] = 0.0
 
