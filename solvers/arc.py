@@ -9,13 +9,14 @@ for equilibrium in the plane through the extrapolated state x* that is normal to
 
     <x* - x0, x - x*> = 0
 
-(Keller 1977; Riks 1979, doi 10.1016/0020-7683(79)90081-7, with a normal plane that stays). The way comes from states that
-lie behind on the path, so it never points back, and the border costs a second solve with the same factor, as a held volume
-does (`solvers.newton`).
+(Riks 1979, doi 10.1016/0020-7683(79)90081-7, with a normal plane that stays). The way comes from states that lie behind
+on the path, so it never points back, and the border costs a second solve with the same factor, as a held volume does
+(`solvers.newton`).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -108,3 +109,28 @@ def volume_turns_back(history: Sequence[PathPoint], step_mm3: float) -> bool:
     if not (fall > 0.0 and grown > 0.0):
         return False
     return b.compliance_mm3_per_mpa**2 * grown / fall <= TURN_WITHIN * step_mm3
+
+
+def refuse_jump(here: PathPoint, new: PathPoint) -> None:
+    """Refuse a step in volume that ended on another branch, beyond a place where the volume turns back.
+
+    On one branch the pressure changes by the integral of dP/dV, also past a bifurcation. A step whose end has another
+    number of unstable modes at held volume and whose pressure differs from the trapezoidal rule by more than half of
+    the larger of the two is not taken; smaller steps tell which it was.
+
+    Raises
+    ------
+    StepFailed
+        With both changes of the pressure.
+    """
+    if math.isnan(here.compliance_mm3_per_mpa) or here.unstable_at_volume == new.unstable_at_volume:
+        return
+    change = new.pressure_mpa - here.pressure_mpa
+    by_slope = 0.5 * (here.slope_mpa_per_mm3 + new.slope_mpa_per_mm3) * (new.volume_mm3 - here.volume_mm3)
+    off = abs(change - by_slope)
+    if off > 0.5 * max(abs(change), abs(by_slope)) and off > 1e-3 * abs(new.pressure_mpa):
+        raise StepFailed(
+            f"a step in volume ended on another branch: unstable modes at held volume {here.unstable_at_volume} -> "
+            f"{new.unstable_at_volume}, and the pressure changed by {1e3 * change:.3g} kPa where its slopes make "
+            f"{1e3 * by_slope:.3g}"
+        )

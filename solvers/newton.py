@@ -3,8 +3,7 @@
 Volume control solves for the load factor P too. With K the tangent, R the residual, f the force of a unit load and
 g = dV/dw (f = g if the load is conservative), a = K^-1 R and b = K^-1 f give ``dP = (V* - V + g.a) / (g.b)`` and
 ``dw = -a + b dP`` from one factorisation. At the converged state g.b = dV/dP is the compliance of the path. A plane
-``n.(w - w*) + m (P - P*) = 0`` in the space of states is held in the same way: ``dP = (-c + n.a) / (n.b + m)`` where c is
-its left side.
+``c = n.(w - w*) + m (P - P*) = 0`` in the space of states is held in the same way: ``dP = (-c + n.a) / (n.b + m)``.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from solvers.arc import plane_at, refuse_far, scale_of, volume_turns_back
+from solvers.arc import plane_at, refuse_far, refuse_jump, scale_of, volume_turns_back
 from solvers.diagnosis import failed_steps, too_large
 from solvers.errors import Cause, StepFailed
 from solvers.linear import Factor
@@ -190,7 +190,10 @@ class _Follower:
                 self.stayed_on_the_path(walk.here)
         if walk.control == "arc":
             refuse_far(aim.guess, problem.get_state(), aim.size, self.scale)
-        return record(problem, report, aim.asked, aim.control, self.begin)
+        item = record(problem, report, aim.asked, aim.control, self.begin)
+        if aim.control == "volume":
+            refuse_jump(walk.here, point_of(item))
+        return item
 
     def stayed_on_the_path(self, here: PathPoint) -> None:
         """Refuse a solution at a pressure that lies behind the last state or may lie beyond a snap-through.
@@ -391,7 +394,7 @@ def follow_path(
                 cause, reason = too_large(settings.largest_volume, highest, asked, walk.crossing)
             break
         if walk.control == "arc" and len(states) >= MOST_STATES:
-            failure = StepFailed(f"{MOST_STATES} states by arc length and no end")
-            cause, reason = failed_steps(failure, walk.history, walk.crossing, walk.control, walk.stiffest)
+            endless = StepFailed(f"{MOST_STATES} states by arc length and no end")
+            cause, reason = failed_steps(endless, walk.history, walk.crossing, walk.control, walk.stiffest)
             break
     return Path(tuple(states), cause is Cause.REACHED, reason, walk.rejected, cause, walk.crossing)

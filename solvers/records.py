@@ -27,7 +27,7 @@ class PathSettings:
         ``start_control`` and changes between the first two where one fails or comes near its limits, and to the third
         where the volume turns back.
     start_control
-        Pressure or volume, the control that needs fewer factorisations where both work; docs/decisions.md has the count.
+        Pressure or volume: the one that needs fewer factorisations where both work; docs/decisions.md has the count.
     first_step, largest_step
         Volume steps as fractions of the unloaded volume.
     first_pressure_step, largest_pressure_step

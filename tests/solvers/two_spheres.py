@@ -4,14 +4,13 @@ Spheres of different size and wall share a pressure, so their volumes add up at 
 Rubber and Rubber Balloons, 2004). The small one reaches its limit point first; beyond it the large one shrinks by more
 than the small one grows, and the whole volume turns back, until the small one has grown enough.
 
-As a script, also under mpirun: ``arc`` follows the path and prints one JSON line.
+As a script, also under mpirun: follows the path by arc length and prints one JSON line.
 """
 
 from __future__ import annotations
 
 import json
 import math
-import sys
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,8 +61,9 @@ def folds() -> tuple[Exact, Exact]:
 
 def mesh(along: int = 6, through: int = 2) -> SolidMesh:
     """Meridians of the two halves, apart from each other on one axis."""
-    a, b = (sphere_meridian(s.inner_radius_mm, s.outer_radius_mm, along, through, "quadrilaterals")
-            for s in (SMALL, LARGE))  # fmt: skip
+    a, b = (
+        sphere_meridian(s.inner_radius_mm, s.outer_radius_mm, along, through, "quadrilaterals") for s in (SMALL, LARGE)
+    )
     n = len(a.points)
     return SolidMesh(
         points=np.vstack([a.points, b.points + [0.0, 100.0]]),
@@ -92,7 +92,7 @@ def problem_of(comm: MPI.Comm, body: SolidMesh) -> tuple[Problem, Factor]:
 def main() -> None:
     comm = MPI.COMM_WORLD
     problem, factor = problem_of(comm, mesh())
-    settings = PathSettings(control=sys.argv[1], largest_volume=4.0)
+    settings = PathSettings(control="arc", largest_volume=4.0)
     path = follow_path(problem, factor, [0.03, 0.05], settings)
     if comm.rank == 0:
         print(
