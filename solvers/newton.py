@@ -172,6 +172,8 @@ def solve_equilibrium(
         error = new_error
         if not reuse:
             factor.refresh()
+            if problem.turning is not None:
+                problem.turning.mark(problem.state.x.array[: problem.owned], problem.body_values)
         step, body_step = factor.solve(here.residual, here.on_bodies)
         step, body_step, pressure_step = -step, -body_step, 0.0
         if volume_mm3 is not None:
@@ -286,6 +288,9 @@ def _advance(
 
     def go(fraction: float) -> None:
         array[: problem.owned] = start[: problem.owned] + fraction * step
+        if problem.turning is not None:
+            turned = fraction * body_step.reshape(start_bodies.shape)
+            problem.turning.add_rest(array[: problem.owned], start[: problem.owned], start_bodies, turned)
         problem.state.x.scatter_forward()
         problem.pressure.value = pressure + fraction * pressure_step
         if problem.bonded is not None:

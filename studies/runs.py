@@ -42,7 +42,7 @@ from studies.results import (
     write_summary,
 )
 from studies.run_log import Job, Log, Run, begin, field_file, finish, finished_run, path_row, stamp, write_collection
-from studies.scene import Scene, dimensions_of, law_of
+from studies.scene import Scene, core_shift_mm, dimensions_of, law_of, without_eccentricity
 from studies.states import load_state, save_state
 
 
@@ -126,7 +126,7 @@ def _closed_form_tip(scene: Scene) -> tuple[list[float], list[float]]:
 
 
 def run_axisymmetric(scene: Scene, refinement: int, folder: Path, comm: MPI.Comm, progress: Progress) -> Run:
-    """The axisymmetric path of a scene on one mesh, solved on rank 0 and known to all.
+    """The axisymmetric path of a scene on one mesh, solved on rank 0 and known to all; of a core off the axis, centred.
 
     Parameters
     ----------
@@ -144,6 +144,7 @@ def run_axisymmetric(scene: Scene, refinement: int, folder: Path, comm: MPI.Comm
     SolverError
         On every rank, if rank 0 failed.
     """
+    scene = without_eccentricity(scene)
     level = f"r{refinement}"
     content_hash = run_hash(scene, "axisymmetric", level)
     answer: Run | Exception | None = None
@@ -228,7 +229,7 @@ def run_body(
     -------
     Run
     """
-    meridian_hash = run_hash(scene, "axisymmetric", f"r{level.meridian}")
+    meridian_hash = run_hash(without_eccentricity(scene), "axisymmetric", f"r{level.meridian}")
     done = comm.bcast(finished_run(folder, run_hash(scene, rung, level.name)) if comm.rank == 0 else None)
     if done is not None:
         if comm.rank == 0:
@@ -238,7 +239,7 @@ def run_body(
 
     # Every rank makes the mesh: it takes a second, and all need it to read and to write states.
     meridian = comm.bcast(scene_meridian(scene, level.meridian) if comm.rank == 0 else None)
-    body = scene_body(meridian, rung, level.around)
+    body = scene_body(meridian, rung, level.around, core_shift_mm(scene))
     guesses: list[State] = []
     for pressure in scene.pressures_mpa:
         saved = comm.bcast(load_state(meridian_run, meridian_hash, pressure) if comm.rank == 0 else None)
@@ -255,7 +256,8 @@ def run_body(
         comm,
         body,
         lambda item: path_row(item, tip.mean_mm(item.state), tip.centre_mm(item.state), parts),
-        GapMeter(scene, meridian, body),
+        # gaps are measured in planes through the axis, which a body that bends leaves
+        None if scene.geometry.eccentricity else GapMeter(scene, meridian, body),
     )
 
     def keep(item: PathState) -> None:
@@ -287,7 +289,8 @@ def _add_missing_fields(scene: Scene, level: BodyLevel, folder: Path, run: Run) 
     missing = [p for p in reached if not field_file(folder, 1e-3 * p).exists()]
     if not scene.ask.fields or not missing:
         return
-    body = scene_body(scene_meridian(scene, level.meridian), run.summary.rung, level.around)
+    meridian = scene_meridian(scene, level.meridian)
+    body = scene_body(meridian, run.summary.rung, level.around, core_shift_mm(scene))
     for pressure in missing:
         saved = load_state(folder, run.summary.content_hash, 1e-3 * pressure)
         if saved is not None:
