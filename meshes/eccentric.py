@@ -1,7 +1,7 @@
 """A body whose moulding core sat off the axis: the cavity moved sideways against the outside.
 
-With the core shifted by d along x the wall, measured along its normal n, is thicker by -d cos(theta) n_r on the side the
-core has moved to, so a wall parallel to the axis goes as t (1 - (d / t) cos(theta)) and one across the axis keeps its
+With the core shifted by d along x, a wall whose normal lies at theta from x, with the radial part n_r, is t -
+d n_r cos(theta): one along the axis goes as t (1 - e cos(theta)), e = d / t, and one across the axis keeps its
 thickness. The cavity's surface moves as a whole and the outside stays, so cavity and solid keep their volumes. Nodes in
 between move by their share of the way through the wall.
 """
@@ -51,7 +51,8 @@ def shift_core(body: SolidMesh, meridian: SolidMesh, shift_mm: float) -> SolidMe
         worst = body.cells[int(np.argmin((before * after).min(axis=1)))]
         x, y, z = points[worst].mean(axis=0)
         raise GeometryError(
-            f"core shifted by {shift_mm:g} mm: a cell at x = {x:.3g}, y = {y:.3g}, z = {z:.3g} mm folds over; shift it less"
+            f"core shifted by {shift_mm:g} mm: a cell at x = {x:.3g}, y = {y:.3g}, z = {z:.3g} mm folds over; "
+            "shift it less"
         )
     return dataclasses.replace(body, points=points)
 

@@ -1,7 +1,7 @@
 """Branch switching: from where a path loses stability onto the other path that begins there.
 
-At a bifurcation (state x0, critical mode f, found by `solvers.stability`) the first state of the branch is looked for in
-the plane through x0 + a f that is normal to f, with the load factor free:
+At a bifurcation (state x0, critical mode f, found by `solvers.stability`) the first state of the branch is looked for
+in the plane through x0 + a f that is normal to f, with the load factor free:
 
     <f, x - x0 - a f> = 0.
 
@@ -148,6 +148,6 @@ def _first_state(
             return replace(item, wall_s=0.0)
         failure = f"the state found at {amplitude:g} mm lies {off / size:.2g} times the amplitude away from the mode"
     raise StepFailed(
-        f"no branch found at {1e3 * start.load_mpa:.6g} kPa along the mode, at {settings.amplitude_mm:g} mm and smaller: "
-        f"{failure}; take another amplitude, or another of the modes that cross there"
+        f"no branch found at {1e3 * start.load_mpa:.6g} kPa along the mode, at {settings.amplitude_mm:g} mm and "
+        f"smaller: {failure}; take another amplitude, or another of the modes that cross there"
     )

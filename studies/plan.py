@@ -114,6 +114,11 @@ def make_plan(
             "full 3D: geometry, material and load are rotationally symmetric, so the axisymmetric model "
             "is exact for them (force it with --rung full3d)"
         )
+    if off_axis:
+        skipped.append(
+            "the axisymmetric model as the answer: the core sat off the axis; it solves the centred one, the limit to "
+            "compare with and the first guesses"
+        )
     if chosen == "closed_form" and scene.load.tip_force_n:
         raise SceneError(
             f"{scene.name}: the closed form has no force on its tip: set load.tip_force_n = 0 "
