@@ -1,7 +1,7 @@
 """A body whose moulding core sat off the axis: the cavity moved sideways against the outside.
 
-With the core shifted by d along x, a wall whose normal lies at theta from x, with the radial part n_r, is t -
-d n_r cos(theta): one along the axis goes as t (1 - e cos(theta)), e = d / t, and one across the axis keeps its
+With the core shifted by d along x, a wall whose normal has the radial part n_r at the angle theta from x is
+t - d n_r cos(theta): one along the axis goes as t (1 - e cos(theta)), e = d / t, and one across the axis keeps its
 thickness. The cavity's surface moves as a whole and the outside stays, so cavity and solid keep their volumes. Nodes in
 between move by their share of the way through the wall.
 """

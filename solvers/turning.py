@@ -8,7 +8,8 @@ rest,
 
 and, if an older factor is used again, by what R and a have changed since. A bond as stiff as a rigid one answers with
 forces far above the load: a ring that tilts by a tenth of a degree made the residual a thousand times the load, and
-steps failed. So the rest is added to the points. Without rotations, as in all rotationally symmetric states, it is nothing.
+steps failed. So the rest is added to the points. Without rotations, as in all rotationally symmetric states, it is
+nothing.
 """
 
 from __future__ import annotations

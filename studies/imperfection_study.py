@@ -1,8 +1,8 @@
 """The imperfection study: actuators whose moulding core sat off the axis, in full 3D: how far they bend.
 
 ``python -m studies.imperfection_study --out results/imperfection`` runs what is not there yet and writes rows,
-curves, pictures of the bent shapes and the report. Runs are kept under the hash of what decides their numbers, with a checkpoint
-after each step, so a study that was stopped goes on and a finished one only draws.
+curves, pictures of the bent shapes and the report. Runs are kept under the hash of what decides their numbers, with a
+checkpoint after each step, so a study that was stopped goes on and a finished one only draws.
 """
 
 from __future__ import annotations
