@@ -19,6 +19,7 @@ from mpi4py import MPI
 
 from analytical.materials import NeoHooke, Yeoh
 from analytical.sphere import Sphere, limit_point, pressure_at_inner_radius_mpa
+from analytical.two_spheres import TwoSpheres
 from meshes.bodies import sphere_meridian
 from meshes.solid import FACETS
 from solvers.arc import FARTHEST, Scale, distance, refuse_far
@@ -42,6 +43,8 @@ def load() -> ModuleType:
 
 
 two = load()
+EXACT = TwoSpheres(two.SMALL, two.LARGE)
+LIMIT = EXACT.limit(two.LAW)
 FINE = PathSettings(control="arc", largest_volume=4.0)
 
 
@@ -107,39 +110,26 @@ def test_asked_pressure_beyond_a_snap_is_reached(one) -> None:
     assert path.states[-1].volume_mm3 == pytest.approx(by_volume.states[-1].volume_mm3, rel=1e-7)
 
 
-def test_exact_two_spheres_turn_back_in_volume() -> None:
-    back, forward = two.folds()
-    assert two.LIMIT is not None and two.LARGE_LIMIT is not None
-    # after the limit point of the small sphere, by a fifth of the volume
-    assert two.LIMIT.inner_mm / 5.0 < back.stretch < forward.stretch
-    assert forward.volume_mm3 < 0.82 * back.volume_mm3
-    # the condition of the whole: dV_small/dP + dV_large/dP = 0, by differences
-    h = 1e-4
-    for fold in (back, forward):
-        ends = [two.exact(fold.stretch + d).volume_mm3 for d in (-h, h)]
-        assert abs(ends[1] - ends[0]) < 1e-4 * abs(two.exact(fold.stretch + 0.1).volume_mm3 - fold.volume_mm3)
-
-
 @pytest.mark.parametrize("asked", [0.02, 0.03])
 @pytest.mark.parametrize("control", ["arc", "auto"])
 def test_two_spheres_through_both_limit_points(pair, control, asked) -> None:
-    back, forward = two.folds()
+    back, forward = EXACT.folds(two.LAW)
     settings = PathSettings(control=control, largest_volume=4.0, largest_arc_step=0.1)
     path = follow_path(pair.problem, pair.factor, [asked, 0.05], settings)
     assert path.cause is Cause.LIMIT_POINT  # 50 kPa is beyond both
     bore = two.small_bore(pair.mesh)
     for state in path.states:
         moved = pair.mesh.points[bore] + state.state.displacement_mm[bore]
-        at = two.exact(float(np.hypot(*moved.T).mean()) / 5.0)
+        at = EXACT.at(two.LAW, float(np.hypot(*moved.T).mean()) / 5.0)
         # asked 0.5 %; measured 1e-4
         assert state.state.load_mpa == pytest.approx(at.pressure_mpa, rel=5e-4)
         assert state.volume_mm3 == pytest.approx(at.volume_mm3, rel=5e-4)
-        assert state.newton.excess_negatives == (at.stretch > two.LIMIT.inner_mm / 5.0)
+        assert state.newton.excess_negatives == (at.stretch > LIMIT.stretch)
         # between its two limit points a held volume does not hold the spheres either
         if min(abs(at.stretch - f.stretch) for f in (back, forward)) > 0.02:
             assert state.newton.excess_at_volume == (back.stretch < at.stretch < forward.stretch)
     assert path.crossing is not None and path.crossing.kind is Cause.LIMIT_POINT
-    assert path.crossing.pressure_mpa == pytest.approx(two.LIMIT.pressure_mpa, rel=1e-4)
+    assert path.crossing.pressure_mpa == pytest.approx(LIMIT.pressure_mpa, rel=1e-4)
     volumes = np.array([s.volume_mm3 for s in path.states])
     turn = int(np.flatnonzero(np.diff(volumes) < 0.0)[0])
     again = turn + int(np.flatnonzero(np.diff(volumes[turn:]) > 0.0)[0])
@@ -156,7 +146,7 @@ def test_two_spheres_through_both_limit_points(pair, control, asked) -> None:
 
 @pytest.mark.parametrize("asked", [0.02, 0.03])
 def test_volume_control_alone_stops_where_the_volume_turns_back(pair, asked) -> None:
-    back, _ = two.folds()
+    back, _ = EXACT.folds(two.LAW)
     # from 30 kPa a step beyond the turn found a state with six unstable modes before jumps were refused
     path = follow_path(pair.problem, pair.factor, [asked, 0.05], PathSettings(control="volume", largest_volume=4.0))
     assert not path.reached

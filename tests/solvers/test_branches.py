@@ -101,9 +101,7 @@ def ring(make_problem) -> SimpleNamespace:
     thin = CRITICAL_LOAD * MU * (outer - inner) ** 3 / (3.0 * (0.5 * (inner + outer)) ** 3)
     path = follow_path(problem, factor, [1.2 * thin], PathSettings())
     middle = 0.5 * (inner + outer)
-    ends = [
-        int(np.argmin(np.linalg.norm(mesh.points - at, axis=1))) for at in ([middle, 0.0, 0.0], [0.0, middle, 0.0])
-    ]
+    ends = [int(np.argmin(np.linalg.norm(mesh.points - at, axis=1))) for at in ([middle, 0.0, 0.0], [0.0, middle, 0.0])]
     return SimpleNamespace(problem=problem, factor=factor, path=path, ends=ends, radius=middle)
 
 

@@ -1,8 +1,4 @@
-"""Two neo-Hookean spheres on one cavity: the path whose volume turns back, exactly and as a problem; a script too.
-
-Spheres of different size and wall share a pressure, so their volumes add up at equal pressures (Mueller and Strehlow,
-Rubber and Rubber Balloons, 2004). The small one reaches its limit point first; beyond it the large one shrinks by more
-than the small one grows, and the whole volume turns back, until the small one has grown enough.
+"""Two neo-Hookean spheres on one cavity as a problem, see `analytical.two_spheres`; a script too.
 
 As a script, also under mpirun: follows the path by arc length and prints one JSON line.
 """
@@ -10,15 +6,12 @@ As a script, also under mpirun: follows the path by arc length and prints one JS
 from __future__ import annotations
 
 import json
-import math
-from dataclasses import dataclass
 
 import numpy as np
 from mpi4py import MPI
-from scipy.optimize import brentq, minimize_scalar
 
 from analytical.materials import NeoHooke
-from analytical.sphere import Sphere, limit_point, pressure_at_inner_radius_mpa
+from analytical.sphere import Sphere
 from meshes.bodies import sphere_meridian
 from meshes.solid import FACETS, SolidMesh
 from solvers.domain import create_domain
@@ -28,35 +21,6 @@ from solvers.problem import Problem, Surfaces
 
 LAW = NeoHooke(0.1)
 SMALL, LARGE = Sphere(5.0, 6.5), Sphere(15.0, 19.7)
-LIMIT = limit_point(SMALL, LAW)
-LARGE_LIMIT = limit_point(LARGE, LAW)
-
-
-@dataclass(frozen=True)
-class Exact:
-    """An exact state: stretch of the small bore, common pressure in MPa, volume of both halves in mm^3."""
-
-    stretch: float
-    pressure_mpa: float
-    volume_mm3: float
-
-
-def exact(stretch: float) -> Exact:
-    """The state at a stretch of the small bore; the large sphere stays on this side of its limit point."""
-    small = stretch * SMALL.inner_radius_mm
-    pressure = pressure_at_inner_radius_mpa(SMALL, LAW, small)
-    assert LARGE_LIMIT is not None
-    large = brentq(
-        lambda a: pressure_at_inner_radius_mpa(LARGE, LAW, a) - pressure, LARGE.inner_radius_mm, LARGE_LIMIT.inner_mm
-    )
-    return Exact(stretch, pressure, 2.0 / 3.0 * math.pi * (small**3 + large**3))
-
-
-def folds() -> tuple[Exact, Exact]:
-    """Where the volume turns back, and where it turns forward again."""
-    back = minimize_scalar(lambda s: -exact(s).volume_mm3, bounds=(1.4, 1.8), method="bounded")
-    forward = minimize_scalar(lambda s: exact(s).volume_mm3, bounds=(1.8, 3.0), method="bounded")
-    return exact(back.x), exact(forward.x)
 
 
 def mesh(along: int = 6, through: int = 2) -> SolidMesh:
