@@ -231,7 +231,8 @@ def _draw_curves(path: Path, cases: Sequence[tuple[Case, list[Found]]]) -> None:
             grid[1][column].set_xlabel("pressure, kPa")
         grid[0][0].set_ylabel("bend of the tip, degree")
         grid[1][0].set_ylabel("change of the elongation, %")
-        grid[0][0].legend(frameon=False, fontsize=8)
+        handles, labels = grid[0][0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper center", ncols=2, frameon=False, fontsize=8)
 
 
 def _draw_shapes(folder: Path, cases: Sequence[tuple[Case, list[Found]]]) -> list[str]:

@@ -47,7 +47,9 @@ from studies.states import load_state, save_state
 
 
 def run_hash(scene: Scene, rung: str, level: str) -> str:
-    """Hash of everything that decides a run's numbers."""
+    """Hash of everything that decides a run's numbers; the axisymmetric model knows a centred core only."""
+    if rung == "axisymmetric":
+        scene = without_eccentricity(scene)
     physics = scene.model_dump(mode="json", exclude={"name", "ask"})
     text = json.dumps([physics, rung, level, provenance.code_hash()], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
@@ -229,7 +231,7 @@ def run_body(
     -------
     Run
     """
-    meridian_hash = run_hash(without_eccentricity(scene), "axisymmetric", f"r{level.meridian}")
+    meridian_hash = run_hash(scene, "axisymmetric", f"r{level.meridian}")
     done = comm.bcast(finished_run(folder, run_hash(scene, rung, level.name)) if comm.rank == 0 else None)
     if done is not None:
         if comm.rank == 0:
