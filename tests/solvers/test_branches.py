@@ -1,4 +1,4 @@
-"""Branches beyond bifurcations, against what is known of them: Rivlin's cube, the bent ring."""
+"""Branches beyond bifurcations, against what is known of them: two equal spheres, Rivlin's cube, the bent ring."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ import pytest
 from analytical import cube
 from analytical.elastica import CRITICAL_LOAD, bent_ring
 from analytical.materials import NeoHooke
-from meshes.bodies import block, tube_meridian
+from analytical.sphere import Sphere
+from analytical.two_spheres import TwoSpheres
+from meshes.bodies import block, sphere_meridian, tube_meridian
 from meshes.solid import FACETS
 from meshes.sweep import revolve_hexahedra
 from solvers.branch import BranchSettings, follow_branch
@@ -24,6 +26,9 @@ from solvers.state import State
 MU = 0.1
 LAW = NeoHooke(MU)
 PLANES = ("symmetry_x", "symmetry_y", "symmetry_z")
+
+
+# ---- Rivlin's cube -------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -88,6 +93,68 @@ def test_branch_that_is_not_there_is_refused(octant) -> None:
         follow_branch(
             octant.problem, octant.factor, octant.crossing, 2.4 * MU, BranchSettings(0.05), mode=stiff
         )  # fmt: skip
+
+
+# ---- two equal spheres (axisymmetric) ------------------------------------------------------------------
+
+
+def test_one_of_two_equal_spheres_grows_and_the_other_shrinks(make_problem) -> None:
+    sphere = Sphere(5.0, 6.5)
+    pair = TwoSpheres(sphere, sphere)
+    half = sphere_meridian(5.0, 6.5, 6, 2, "quadrilaterals")
+    n, cells = len(half.points), len(half.cells)
+    mesh = dataclasses.replace(
+        half,
+        points=np.vstack([half.points, half.points + [0.0, 50.0]]),
+        cells=np.vstack([half.cells, half.cells + n]),
+        regions=np.tile(half.regions, 2),
+        facets=np.vstack([half.facets, half.facets + n]),
+        facet_tags=np.tile(half.facet_tags, 2),
+        facet_bodies=np.tile(half.facet_bodies, 2),
+    )
+    held = ((FACETS["axis"], 0), (FACETS["bottom"], 1))
+    problem = make_problem(mesh, LAW, cavity=FACETS["cavity"], held=held)
+    factor = Factor(problem)
+    limit = pair.limit(LAW)
+    path = follow_path(problem, factor, [2.0 * limit.pressure_mpa], PathSettings(control="volume", largest_volume=6.0))
+    crossing = path.crossing
+    # at its limit point either may go: two modes, one of which a held volume holds
+    assert crossing is not None and crossing.kind is Cause.BIFURCATION
+    assert (crossing.modes_before, crossing.modes_after) == (0, 2)
+    assert crossing.pressure_mpa == pytest.approx(limit.pressure_mpa, rel=1e-4)
+    assert crossing.mode is not None
+    which = slice(0, n) if np.abs(crossing.mode.displacement_mm[:n]).max() > 0.5 else slice(n, None)
+    one, p = crossing.mode.displacement_mm[which], crossing.mode.pressure_mpa
+    p = p[:cells] if which.start == 0 else p[cells:]
+    mode = State(np.vstack([one, -one]), np.concatenate([p, -p]), crossing.mode.bodies_mm, 0.0)
+    grows = 1.0 if (one * half.points).sum() > 0.0 else -1.0
+    bore = np.flatnonzero(np.abs(np.hypot(*half.points.T) - 5.0) < 1e-9)
+
+    def stretch(item) -> float:
+        return float(np.hypot(*(half.points[bore] + item.state.displacement_mm[bore]).T).mean()) / 5.0
+
+    branch = follow_branch(
+        problem,
+        factor,
+        crossing,
+        2.0 * limit.pressure_mpa,
+        BranchSettings(0.3 * grows),
+        mode=mode,
+        until=lambda item: stretch(item) > 2.5,
+    )
+    assert branch.reached and len(branch.states) >= 5
+    stretches = [stretch(item) for item in branch.states]
+    assert (np.diff(stretches) > 0.0).all() and stretches[-1] > 2.5
+    for item, at in zip(branch.states, stretches, strict=True):
+        known = pair.at(LAW, at)
+        # asked 0.5 %; six quadrilaterals from equator to pole
+        assert item.state.load_mpa == pytest.approx(known.pressure_mpa, rel=2e-4)
+        assert item.volume_mm3 == pytest.approx(known.volume_mm3, rel=5e-4)
+        # the one that grows is beyond its limit point, the other is not; a held volume holds both
+        assert (item.newton.excess_negatives, item.newton.excess_at_volume) == (1, 0)
+
+
+# ---- the bent ring -------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
