@@ -22,12 +22,12 @@ from analytical.sphere import Sphere, limit_point, pressure_at_inner_radius_mpa
 from analytical.two_spheres import TwoSpheres
 from meshes.bodies import sphere_meridian
 from meshes.solid import FACETS
-from solvers.arc import FARTHEST, Scale, distance, refuse_far
+from solvers.arc import FARTHEST, Scale, distance, refuse_far, refuse_jump, volume_turns_back
 from solvers.checkpoint import read_checkpoint, write_checkpoint
 from solvers.errors import Cause, StepFailed
 from solvers.linear import Factor
 from solvers.path import PathSettings, follow_path
-from solvers.records import PathMemory
+from solvers.records import PathMemory, PathPoint
 from solvers.state import State
 
 SCRIPT = Path(__file__).with_name("two_spheres.py")
@@ -212,3 +212,32 @@ def test_what_lies_far_from_where_it_was_expected_is_refused() -> None:
     refuse_far(at(0.0, 0.0), at(0.0, 0.5 * 0.99 * FARTHEST), 1.0, scale)
     with pytest.raises(StepFailed, match="from where it was expected"):
         refuse_far(at(0.0, 0.0), at(0.0, 0.5 * 1.01 * FARTHEST), 1.0, scale)
+
+
+def point(pressure: float, volume: float, compliance: float, unstable: int) -> PathPoint:
+    state = State(np.zeros((1, 2)), np.zeros(1), np.zeros((0, 1)), pressure)
+    return PathPoint(state, volume, compliance, unstable)
+
+
+def test_jump_to_another_branch_is_told_from_a_bifurcation() -> None:
+    here = point(0.0320, 2.5, 296.0, 0)
+    # the numbers of the two spheres, at a held volume beyond where the volume turns back
+    with pytest.raises(StepFailed, match="another branch: unstable modes at held volume 0 -> 6"):
+        refuse_jump(here, point(0.0328, 2.59, 469.0, 6))
+    # a bifurcation on the way: the same path, so the pressure changes as its slopes say
+    refuse_jump(here, point(0.03225, 2.59, 450.0, 2))
+    # the same count, whatever the pressure does; and the unloaded state, whose slope is not known
+    refuse_jump(here, point(0.0328, 2.59, 469.0, 0))
+    refuse_jump(point(0.0, 1.0, np.nan, 0), point(0.0328, 2.59, 469.0, 6))
+
+
+def test_turning_volume_is_foreseen_from_its_compliance() -> None:
+    # V = 1 - (P - 1)^2 in units of its top: dV/dP = -2 (P - 1)
+    def at(p: float) -> PathPoint:
+        return point(p, 1.0 - (p - 1.0) ** 2, -2.0 * (p - 1.0), 0)
+
+    last = [at(0.7), at(0.9)]  # 0.01 of the volume are left
+    assert volume_turns_back(last, 0.01)
+    assert not volume_turns_back(last, 0.001)
+    assert not volume_turns_back(last[1:], 0.01)
+    assert not volume_turns_back([at(0.9), at(0.7)], 0.01)
