@@ -48,7 +48,11 @@ class Case:
 
 
 CASES: Final = (
-    Case("scenes/imperfection/short-core-10.toml", (1.25, 2.5, 5.0, 7.5, 10.0), (BodyLevel(8, 1), BodyLevel(12, 1))),
+    Case(
+        "scenes/imperfection/short-core-10.toml",
+        (1.25, 2.5, 5.0, 7.5, 10.0),
+        (BodyLevel(8, 1), BodyLevel(12, 1), BodyLevel(8, 2)),
+    ),
     Case("scenes/heung-t2-ri5.toml", (5.0, 10.0, 15.0, 20.0), (BodyLevel(8, 1),)),
 )
 
@@ -226,7 +230,8 @@ def _draw_curves(path: Path, cases: Sequence[tuple[Case, list[Found]]]) -> None:
                     grid[1][column].plot(reached, change, color=colour, marker=marker)
             for item in found[len(SHARES) :]:
                 bends = [item.poses[p].bend_deg for p in sorted(item.poses)]
-                grid[0][column].plot(sorted(item.poses), bends, "x", color=BLUE, label=f"the same, {item.level.name}")
+                look = {"marker": "+" if item.level.meridian > 1 else "x", "linestyle": "none", "color": BLUE}
+                grid[0][column].plot(sorted(item.poses), bends, label=f"the same, {item.level.name}", **look)
             grid[0][column].set_title(Path(case.file).stem.removesuffix("-core-10"), fontsize=10)
             grid[1][column].set_xlabel("pressure, kPa")
         grid[0][0].set_ylabel("bend of the tip, degree")
@@ -264,7 +269,7 @@ def write_report(folder: Path, cases: Sequence[tuple[Case, list[Found]]]) -> Pat
     _draw_curves(folder / "pictures" / "bend.png", cases)
     everything = [item for _, found in cases for item in found]
     stamps = {
-        "commit": everything[0].run.summary.commit,
+        "commit": ", ".join(dict.fromkeys(item.run.summary.commit for item in everything)),
         "date": everything[-1].run.summary.when,
         "machine": provenance.machine(),
         **provenance.versions(),
