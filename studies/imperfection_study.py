@@ -214,6 +214,20 @@ def _orders(case: Case, found: Sequence[Found]) -> str:
     )
 
 
+def _summary(case: Case, found: Sequence[Found]) -> str:
+    """What the most eccentric core does at the highest pressure that was reached, a sentence."""
+    centred, worst = found[0], found[len(SHARES) - 1]
+    if not worst.poses:
+        return "no pressure was reached."
+    pressure = max(worst.poses)
+    pose, change = worst.poses[pressure], worst.tip_mm(pressure) / centred.tip_mm(pressure) - 1.0
+    return (
+        f"at {pressure:g} kPa a core off by {100.0 * worst.share:g} % of the wall ({core_shift_mm(worst.scene):g} mm) bends "
+        f"the tip by {abs(pose.bend_deg):.1f} degrees, moves it sideways by {abs(pose.sideways_mm):.1f} mm and changes the "
+        f"elongation by {100.0 * change:+.2f} %."
+    )
+
+
 def _draw_curves(path: Path, cases: Sequence[tuple[Case, list[Found]]]) -> None:
     with figure_file(path, 4.2 * len(cases), 6.0) as figure:
         grid = figure.subplots(2, len(cases), squeeze=False, sharex="col")
@@ -282,6 +296,7 @@ def write_report(folder: Path, cases: Sequence[tuple[Case, list[Found]]]) -> Pat
                 "title": found[0].scene.title,
                 "table": _table(case, found),
                 "orders": _orders(case, found),
+                "summary": _summary(case, found),
                 "stopped": [f"{i.scene.name}: {i.run.summary.reason}" for i in found if i.run.summary.reason],
             }
             for case, found in cases
