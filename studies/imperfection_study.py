@@ -222,9 +222,9 @@ def _summary(case: Case, found: Sequence[Found]) -> str:
     pressure = max(worst.poses)
     pose, change = worst.poses[pressure], worst.tip_mm(pressure) / centred.tip_mm(pressure) - 1.0
     return (
-        f"at {pressure:g} kPa a core off by {100.0 * worst.share:g} % of the wall ({core_shift_mm(worst.scene):g} mm) bends "
-        f"the tip by {abs(pose.bend_deg):.1f} degrees, moves it sideways by {abs(pose.sideways_mm):.1f} mm and changes the "
-        f"elongation by {100.0 * change:+.2f} %."
+        f"at {pressure:g} kPa a core off by {100.0 * worst.share:g} % of the wall ({core_shift_mm(worst.scene):g} mm) "
+        f"bends the tip by {abs(pose.bend_deg):.1f} degrees, moves it sideways by {abs(pose.sideways_mm):.1f} mm and "
+        f"changes the elongation by {100.0 * change:+.2f} %."
     )
 
 
