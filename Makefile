@@ -131,6 +131,14 @@ study-cost: check ## run time against error of every model, mesh and way of step
 study-error-model: check ## fit what meshes leave of error and take of time; ten scenes to check it -> results/error-model
 	$(LAUNCH) -m studies.error_fit --out results/error-model
 
+.PHONY: study-branches
+study-branches: check ## paths whose volume turns back, branches beyond buckling, squirm of a blocked bellows -> results/branches
+	$(LAUNCH) -m studies.branch_study --out results/branches
+
+.PHONY: study-imperfection
+study-imperfection: check ## actuators whose moulding core sat off the axis: bend, elongation; full 3D -> results/imperfection
+	$(LAUNCH) -m studies.imperfection_study --out results/imperfection
+
 .PHONY: study-smoke
 study-smoke: check ## two convolutions by every model, in a minute -> results/study-smoke
 	$(LAUNCH) -m studies smoke --out results/study-smoke

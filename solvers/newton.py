@@ -2,7 +2,8 @@
 
 Volume control solves for the load factor P too. With K the tangent, R the residual, f the force of a unit load and
 g = dV/dw (f = g if the load is conservative), a = K^-1 R and b = K^-1 f give ``dP = (V* - V + g.a) / (g.b)`` and
-``dw = -a + b dP`` from one factorisation. At the converged state g.b = dV/dP is the compliance of the path.
+``dw = -a + b dP`` from one factorisation. At the converged state g.b = dV/dP is the compliance of the path. A plane
+``c = n.(w - w*) + m (P - P*) = 0`` in the space of states is held in the same way: ``dP = (-c + n.a) / (n.b + m)``.
 """
 
 from __future__ import annotations
@@ -53,6 +54,29 @@ class NewtonSettings:
     line_search: int = 1
 
 
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """A plane in the space of unknowns and load factor, in which equilibrium is looked for; see `solvers.arc`.
+
+    Attributes
+    ----------
+    normal
+        Its part n on the owned dofs, shape (owned,), 1/mm; zero on constrained ones.
+    by_load
+        Its part m on the load factor, 1/MPa.
+    through, load_mpa
+        A point w*, P* of it.
+    length
+        Distance from the last state, by which the residual of the plane is measured.
+    """
+
+    normal: FloatArray
+    by_load: float
+    through: FloatArray
+    load_mpa: float
+    length: float
+
+
 @dataclass(frozen=True)
 class NewtonReport:
     """What a converged solve cost and found.
@@ -94,8 +118,9 @@ def solve_equilibrium(
     pressure_mpa: float | None = None,
     volume_mm3: float | None = None,
     on_iteration: Callable[[int, float], None] | None = None,
+    plane: Plane | None = None,
 ) -> NewtonReport:
-    """Bring the problem's current state to equilibrium at a pressure or a volume (give exactly one).
+    """Bring the problem's current state to equilibrium at a pressure, at a volume or in a plane (give exactly one).
 
     Parameters
     ----------
@@ -107,6 +132,8 @@ def solve_equilibrium(
         The controlled quantity.
     on_iteration
         Called with (iteration, relative residual) for progress.
+    plane
+        The plane that the state has to lie in; volume and load factor are what they turn out to be.
 
     Returns
     -------
@@ -118,12 +145,13 @@ def solve_equilibrium(
         On NaN, divergence, cells that would invert, values out of the material's range, or too many
         iterations. The problem's state is then spoilt: the caller goes back to its last good one.
     """
-    assert (pressure_mpa is None) != (volume_mm3 is None)
+    assert sum(given is not None for given in (pressure_mpa, volume_mm3, plane)) == 1
     before = factor.count
     if pressure_mpa is not None:
         problem.pressure.value = pressure_mpa
     error = moved = np.inf
-    here = _residual(problem, volume_mm3)
+    held = volume_mm3 if plane is None else plane
+    here = _residual(problem, held)
     for iteration in range(settings.max_iterations + 1):
         new_error = here.error
         if not np.isfinite(new_error):
@@ -144,6 +172,8 @@ def solve_equilibrium(
         error = new_error
         if not reuse:
             factor.refresh()
+            if problem.turning is not None:
+                problem.turning.mark(problem.state.x.array[: problem.owned], problem.body_values)
         step, body_step = factor.solve(here.residual, here.on_bodies)
         step, body_step, pressure_step = -step, -body_step, 0.0
         if volume_mm3 is not None:
@@ -155,7 +185,11 @@ def solve_equilibrium(
                 raise StepFailed("the volume does not respond to the load", Cause.NO_RESPONSE)
             pressure_step = (missing - _dot(problem, here.gradient, step)) / compliance
             step, body_step = step + toward * pressure_step, body_step + body_toward * pressure_step
-        moved, here = _advance(problem, settings, volume_mm3, error, step, body_step, pressure_step)
+        elif plane is not None:
+            toward, body_toward = factor.solve(here.force, np.zeros(problem.extra))
+            pressure_step = _along(problem, plane, step, toward)
+            step, body_step = step + toward * pressure_step, body_step + body_toward * pressure_step
+        moved, here = _advance(problem, settings, held, error, step, body_step, pressure_step)
     raise AssertionError("unreachable")
 
 
@@ -178,7 +212,29 @@ def _dot(problem: Problem, a: FloatArray, b: FloatArray) -> float:
     return float(problem.comm.allreduce(float(a @ b), op=MPI.SUM))
 
 
-def _residual(problem: Problem, volume_mm3: float | None) -> _Residual:
+def _off_plane(problem: Problem, plane: Plane) -> float:
+    """How far the current state is from a plane: the left side of its equation."""
+    away = problem.state.x.array[: problem.owned] - plane.through
+    return _dot(problem, plane.normal, away) + plane.by_load * (float(problem.pressure.value) - plane.load_mpa)
+
+
+def _along(problem: Problem, plane: Plane, step: FloatArray, toward: FloatArray) -> float:
+    """Change of the load factor that brings an increment into a plane.
+
+    Raises
+    ------
+    StepFailed
+        If the way that the state goes with the load lies in the plane.
+    """
+    response = _dot(problem, plane.normal, toward)
+    bound = _norm(problem, plane.normal) * _norm(problem, toward) + abs(plane.by_load)
+    if abs(response + plane.by_load) <= 1e-10 * bound:
+        raise StepFailed("the path runs along the plane of the step")
+    return (-_off_plane(problem, plane) - _dot(problem, plane.normal, step)) / (response + plane.by_load)
+
+
+def _residual(problem: Problem, held: float | Plane | None) -> _Residual:
+    """Residual at the current state; ``held`` is the volume in mm^3, a plane, or None at a held pressure."""
     force, on_bodies = problem.internal_force()
     on_bodies[problem.held_bodies] = 0.0
     fixed = problem.constrained_owned
@@ -205,16 +261,18 @@ def _residual(problem: Problem, volume_mm3: float | None) -> _Residual:
     if problem.bonded is not None:
         load = np.hypot(load, problem.bonded.dead_force_n)
     error = np.sqrt(sums[0] + on_bodies @ on_bodies) / load + np.sqrt(sums[1]) / problem.volume_scale
-    if volume_mm3 is not None:
+    if isinstance(held, Plane):
+        error += abs(_off_plane(problem, held)) / held.length**2
+    elif held is not None:
         volume = problem.cavity_volume()
-        error += abs(volume_mm3 - volume) / max(abs(volume_mm3), problem.volume_unit_mm3)
+        error += abs(held - volume) / max(abs(held), problem.volume_unit_mm3)
     return _Residual(residual, on_bodies, unit_load, gradient, float(error))
 
 
 def _advance(
     problem: Problem,
     settings: NewtonSettings,
-    volume_mm3: float | None,
+    held: float | Plane | None,
     error: float,
     step: FloatArray,
     body_step: FloatArray,
@@ -230,6 +288,9 @@ def _advance(
 
     def go(fraction: float) -> None:
         array[: problem.owned] = start[: problem.owned] + fraction * step
+        if problem.turning is not None:
+            turned = fraction * body_step.reshape(start_bodies.shape)
+            problem.turning.add_rest(array[: problem.owned], start[: problem.owned], start_bodies, turned)
         problem.state.x.scatter_forward()
         problem.pressure.value = pressure + fraction * pressure_step
         if problem.bonded is not None:
@@ -237,14 +298,14 @@ def _advance(
             problem.bonded.update(fraction * body_step)
 
     fraction = _admissible(problem, settings, go)
-    here = _residual(problem, volume_mm3)
+    here = _residual(problem, held)
     best, best_fraction = here, fraction
     for _ in range(settings.line_search):
         if best.error < error:
             break
         fraction *= 0.5
         go(fraction)
-        here = _residual(problem, volume_mm3)
+        here = _residual(problem, held)
         if here.error < best.error:
             best, best_fraction = here, fraction
     if best_fraction != fraction:

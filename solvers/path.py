@@ -1,4 +1,4 @@
-"""Equilibrium paths that hit every asked pressure exactly, in steps of volume or pressure."""
+"""Equilibrium paths that hit every asked pressure exactly, in steps of volume, pressure or arc length."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from solvers.arc import plane_at, refuse_far, refuse_jump, scale_of, volume_turns_back
 from solvers.diagnosis import failed_steps, too_large
 from solvers.errors import Cause, StepFailed
 from solvers.linear import Factor
 from solvers.newton import solve_equilibrium
-from solvers.prediction import coordinate, extrapolate, predicted_pressure, volume_at_pressure
+from solvers.prediction import coordinates, extrapolate, place_of_pressure, predicted_pressure
 from solvers.problem import Problem
 from solvers.records import (
     Control,
@@ -32,6 +33,8 @@ from solvers.warm_start import follow_guesses
 __all__ = ["Path", "PathSettings", "PathState", "Progress", "follow_guesses", "follow_path"]
 
 
+# A path by arc length that goes round for ever ends after so many states.
+MOST_STATES = 2000
 # A dead force is brought on at once, or else in so many equal parts.
 FORCE_PARTS = (1, 4, 16)
 
@@ -112,10 +115,16 @@ class _Follower:
         self.problem, self.factor, self.targets = problem, factor, list(targets)
         self.settings, self.progress = settings, progress
         self.begin = time.perf_counter()
-        self.unit: dict[Control, float] = {"volume": problem.volume_unit_mm3, "pressure": self.targets[-1]}
+        self.scale = scale_of(problem, self.targets[-1])
+        self.unit: dict[Control, float] = {
+            "volume": problem.volume_unit_mm3,
+            "pressure": self.targets[-1],
+            "arc": settings.largest_arc_step,
+        }
         self.largest: dict[Control, float] = {
             "volume": settings.largest_step * self.unit["volume"],
             "pressure": settings.largest_pressure_step * self.unit["pressure"],
+            "arc": settings.largest_arc_step,
         }
 
     def first_step(self, control: Control) -> float:
@@ -133,6 +142,8 @@ class _Follower:
         _go_to_rest(self.problem, self.factor, self.settings)
         rest = PathPoint(self.problem.get_state(), self.problem.cavity_volume(), math.nan, 0)
         control = self.settings.start_control if self.settings.control == "auto" else self.settings.control
+        if control == "arc":
+            control = "pressure"  # for one step, which shows the way
         return _Walk([rest], control, self.first_step(control), 0, 0, 0.0, None)
 
     # ---- one step --------------------------------------------------------------------------------------
@@ -144,16 +155,18 @@ class _Follower:
             left = target - here.pressure_mpa
             count = max(1, math.ceil(left / walk.step - 0.1))  # no sliver before the asked pressure
             value = target if count == 1 else here.pressure_mpa + left / count
-            guess = extrapolate(walk.history, "pressure", value)
+            guess = extrapolate(walk.history, "pressure", value, self.scale)
             return _Aim("pressure", value, value - here.pressure_mpa, count == 1, guess)
-        volume = here.volume_mm3 + walk.step
-        if len(walk.history) >= 3 and predicted_pressure(walk.history, volume) >= target > here.pressure_mpa:
-            volume = volume_at_pressure(walk.history, here.volume_mm3, volume, target)
-            guess = extrapolate(walk.history, "volume", volume)
-            return _Aim("pressure", target, volume - here.volume_mm3, True, guess)
-        return _Aim("volume", volume, walk.step, False, extrapolate(walk.history, "volume", volume))
+        control, history = walk.control, walk.history
+        start = here.volume_mm3 if control == "volume" else 0.0
+        end = start + walk.step
+        foreseen = len(history) >= 3 and predicted_pressure(history, control, end, self.scale) >= target
+        if foreseen and target > here.pressure_mpa:
+            end = place_of_pressure(history, control, start, end, target, self.scale)
+            return _Aim("pressure", target, end - start, True, extrapolate(history, control, end, self.scale))
+        return _Aim(control, end, walk.step, False, extrapolate(history, control, end, self.scale))
 
-    def solve(self, aim: _Aim, here: PathPoint) -> PathState:
+    def solve(self, aim: _Aim, walk: _Walk) -> PathState:
         """Equilibrium at an aim.
 
         Raises
@@ -163,15 +176,24 @@ class _Follower:
         """
         problem, settings = self.problem, self.settings.newton
         problem.set_state(aim.guess)
-        what = "volume step" if aim.control == "volume" else "asked pressure" if aim.asked else "pressure step"
+        what = "asked pressure" if aim.asked else f"{aim.control} step"
         shown = aim.guess.load_mpa
         seen = None if self.progress is None else (lambda k, e, p=self.progress: p(what, shown, k, e))
         if aim.control == "volume":
             report = solve_equilibrium(problem, self.factor, settings, volume_mm3=aim.value, on_iteration=seen)
+        elif aim.control == "arc":
+            plane = plane_at(problem, walk.here.state, aim.guess, self.scale)
+            report = solve_equilibrium(problem, self.factor, settings, plane=plane, on_iteration=seen)
         else:
             report = solve_equilibrium(problem, self.factor, settings, pressure_mpa=aim.value, on_iteration=seen)
-            self.stayed_on_the_path(here)
-        return record(problem, report, aim.asked, aim.control, self.begin)
+            if walk.control != "arc":
+                self.stayed_on_the_path(walk.here)
+        if walk.control == "arc":
+            refuse_far(aim.guess, problem.get_state(), aim.size, self.scale)
+        item = record(problem, report, aim.asked, aim.control, self.begin)
+        if aim.control == "volume":
+            refuse_jump(walk.here, point_of(item))
+        return item
 
     def stayed_on_the_path(self, here: PathPoint) -> None:
         """Refuse a solution at a pressure that lies behind the last state or may lie beyond a snap-through.
@@ -188,16 +210,18 @@ class _Follower:
     def step(self, walk: _Walk, aim: _Aim) -> list[PathState]:
         """The aimed-at state, and before it asked pressures that were passed without having been foreseen."""
         here = walk.here
-        found = [self.solve(aim, here)]
+        found = [self.solve(aim, walk)]
         if aim.control == "pressure":
             return found
         end = point_of(found[0])
         passed = [p for p in self.targets[walk.reached :] if here.pressure_mpa < p <= end.pressure_mpa]
         around = [*walk.history[-2:], end]
         for pressure in reversed(passed):
-            volume = volume_at_pressure(around, here.volume_mm3, found[0].volume_mm3, pressure)
-            guess = extrapolate(around, "volume", volume)
-            found.insert(0, self.solve(_Aim("pressure", pressure, 0.0, True, guess), here))
+            start, _ = coordinates([here, end], walk.control, self.scale)
+            reached = 0.0 if walk.control == "arc" else found[0].volume_mm3
+            place = place_of_pressure(around, walk.control, start, reached, pressure, self.scale)
+            guess = extrapolate(around, walk.control, place, self.scale)
+            found.insert(0, self.solve(_Aim("pressure", pressure, aim.size, True, guess), walk))
         return found
 
     # ---- after a step ----------------------------------------------------------------------------------
@@ -207,19 +231,27 @@ class _Follower:
         new = point_of(item)
         if walk.crossing is None and self.settings.crossing_tolerance > 0.0 and lost_stability(walk.here, new):
             newton, tolerance = self.settings.newton, self.settings.crossing_tolerance
-            walk.crossing = locate_crossing(self.problem, self.factor, newton, walk.here, new, tolerance)
+            along = self.scale if walk.control == "arc" else None
+            walk.crossing = locate_crossing(self.problem, self.factor, newton, walk.here, new, tolerance, along)
         # nearly coincident states would spoil the extrapolation
-        control = walk.control
-        while len(walk.history) > 1 and (coordinate(new, control) - coordinate(walk.here, control) < 0.05 * walk.step):
+        while len(walk.history) > 1 and self.gone(walk.here, new, walk.control) < 0.05 * walk.step:
             walk.history.pop()
         walk.history.append(new)
         del walk.history[:-3]
         walk.reached += item.asked
 
+    def gone(self, here: PathPoint, new: PathPoint, control: Control) -> float:
+        """From a state to another, in what the steps are taken in."""
+        start, end = coordinates([here, new], control, self.scale)
+        return end - start
+
     def adapt(self, walk: _Walk, aim: _Aim, iterations: int) -> None:
         """Step size, and with ``auto`` the control, after a step that worked."""
         settings = self.settings
         walk.failures, walk.switched = 0, False
+        if settings.control == "arc" and walk.control != "arc":
+            self._switch(walk, "arc")
+            return
         if iterations > settings.many_iterations:
             walk.step *= settings.shrink
         elif iterations <= settings.few_iterations and (not aim.asked or aim.size >= 0.99 * walk.step):
@@ -250,8 +282,7 @@ class _Follower:
     def _switch(self, walk: _Walk, control: Control) -> None:
         """Change the control; the step is as large as the last one was in the new measure."""
         walk.control = control
-        last = [coordinate(p, control) for p in walk.history[-2:]]
-        size = last[-1] - last[0]
+        size = self.gone(walk.history[0 if len(walk.history) == 1 else -2], walk.here, control)
         least = self.settings.smallest_step * self.unit[control]
         walk.step = min(size, self.largest[control]) if size > least else self.first_step(control)
 
@@ -265,6 +296,10 @@ class _Follower:
             if walk.control == "pressure":
                 walk.switched = True
                 self._switch(walk, "volume")
+                return True
+            if walk.control == "volume" and walk.failures > 2 and volume_turns_back(walk.history, aim.size):
+                walk.switched = True
+                self._switch(walk, "arc")
                 return True
             hopeless = failure.cause is Cause.NO_RESPONSE or walk.failures > 2
             if hopeless and self._pressure_is_safe(walk, self.settings.soft):
@@ -290,7 +325,8 @@ def follow_path(
 ) -> Path:
     """Follow the equilibrium path from the unloaded state through ascending asked pressures.
 
-    Steps are taken in volume, which passes limit points of the pressure, or in pressure; see PathSettings.control.
+    Steps are taken in volume, which passes limit points of the pressure, in pressure, or in arc length, which passes
+    those of the volume too; see PathSettings.control.
     When a step is predicted to pass an asked pressure, that pressure is solved for instead.
 
     Parameters
@@ -356,5 +392,9 @@ def follow_path(
                 highest = max((point_of(s) for s in states), key=lambda p: p.pressure_mpa)
                 asked = follower.targets[walk.reached]
                 cause, reason = too_large(settings.largest_volume, highest, asked, walk.crossing)
+            break
+        if walk.control == "arc" and len(states) >= MOST_STATES:
+            endless = StepFailed(f"{MOST_STATES} states by arc length and no end")
+            cause, reason = failed_steps(endless, walk.history, walk.crossing, walk.control, walk.stiffest)
             break
     return Path(tuple(states), cause is Cause.REACHED, reason, walk.rejected, cause, walk.crossing)

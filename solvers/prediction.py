@@ -6,14 +6,21 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from solvers.arc import Scale, distance
 from solvers.domain import FloatArray
 from solvers.records import Control, PathPoint
 from solvers.state import State, combine
 
 
-def coordinate(point: PathPoint, control: Control) -> float:
-    """The quantity that steps are taken in: volume in mm^3 or pressure in MPa."""
-    return point.volume_mm3 if control == "volume" else point.pressure_mpa
+def coordinates(history: Sequence[PathPoint], control: Control, scale: Scale) -> list[float]:
+    """The quantity that steps are taken in: volume in mm^3, pressure in MPa, arc length (0 at the last state)."""
+    if control == "volume":
+        return [p.volume_mm3 for p in history]
+    if control == "pressure":
+        return [p.pressure_mpa for p in history]
+    pairs = zip(history[:-1], history[1:], strict=True)
+    chords = [distance(a.state, b.state, scale) for a, b in pairs]
+    return [-sum(chords[k:]) for k in range(len(chords) + 1)]
 
 
 def _weights(nodes: Sequence[float], at: float) -> FloatArray:
@@ -26,29 +33,35 @@ def _weights(nodes: Sequence[float], at: float) -> FloatArray:
     return weights
 
 
-def _usable(history: Sequence[PathPoint], control: Control) -> Sequence[PathPoint]:
-    """The last three states, fewer where the coordinate does not ascend: past a limit point the pressure does not."""
-    last = list(history[-3:])
-    while len(last) > 1 and not (np.diff([coordinate(p, control) for p in last]) > 0.0).all():
+def _usable(
+    history: Sequence[PathPoint], control: Control, scale: Scale
+) -> tuple[Sequence[PathPoint], Sequence[float]]:
+    """The last three states, fewer where the coordinate does not ascend (past a limit point), and where they are."""
+    last, at = list(history[-3:]), coordinates(history[-3:], control, scale)
+    while len(last) > 1 and not (np.diff(at) > 0.0).all():
         last.pop(0)
-    return last
+        at.pop(0)
+    return last, at
 
 
-def extrapolate(history: Sequence[PathPoint], control: Control, at: float) -> State:
-    """State at a volume or a pressure, from the polynomial through the last three."""
-    last = _usable(history, control)
-    return combine([p.state for p in last], list(_weights([coordinate(p, control) for p in last], at)))
+def extrapolate(history: Sequence[PathPoint], control: Control, at: float, scale: Scale) -> State:
+    """State at a volume, a pressure or an arc length, from the polynomial through the last three."""
+    last, nodes = _usable(history, control, scale)
+    return combine([p.state for p in last], list(_weights(nodes, at)))
 
 
-def predicted_pressure(history: Sequence[PathPoint], volume_mm3: float) -> float:
-    """Pressure at a volume."""
-    last = _usable(history, "volume")
-    return float(_weights([p.volume_mm3 for p in last], volume_mm3) @ np.array([p.pressure_mpa for p in last]))
+def predicted_pressure(history: Sequence[PathPoint], control: Control, at: float, scale: Scale) -> float:
+    """Pressure at a volume or an arc length."""
+    last, nodes = _usable(history, control, scale)
+    return float(_weights(nodes, at) @ np.array([p.pressure_mpa for p in last]))
 
 
-def volume_at_pressure(history: Sequence[PathPoint], low: float, high: float, pressure_mpa: float) -> float:
-    """Volume in [low, high] at which the predicted pressure is the given one, by bisection."""
+def place_of_pressure(
+    history: Sequence[PathPoint], control: Control, low: float, high: float, pressure_mpa: float, scale: Scale
+) -> float:
+    """Volume or arc length in [low, high] at which the predicted pressure is the given one, by bisection."""
     for _ in range(60):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if predicted_pressure(history, middle) < pressure_mpa else (low, middle)
+        below = predicted_pressure(history, control, middle, scale) < pressure_mpa
+        low, high = (middle, high) if below else (low, middle)
     return 0.5 * (low + high)

@@ -29,6 +29,7 @@ from solvers.laws import Law, compile_law
 from solvers.loads import DEAD, LoadKind, load_forms, load_tangent
 from solvers.rigid import BondedBodies, RigidBodies
 from solvers.state import State, Timer
+from solvers.turning import Turning
 
 SOFT, STIFF = 1, 2  # material numbers of cells
 
@@ -212,6 +213,7 @@ class Problem:
         self.extra = 0 if self.bonded is None else self.bonded.size
         self.modes = 0 if self.bonded is None else self.bonded.modes
         self._coupled = self._coupled_dofs()
+        self.turning = self._turning(bodies)
         self.constrained_owned = self._is_constrained[: self.owned]
         self.shear_modulus_mpa = float(law.initial_shear_modulus_mpa)
         unit = compat.assemble_array(unit_form, self.index_map).array[: self.owned]
@@ -362,6 +364,18 @@ class Problem:
             # cells between two bodies have dofs of both, their bonded facets never
             pulled.append(np.flatnonzero(found & ~self._is_constrained[: self.owned]))
         return pulled
+
+    def _turning(self, bodies: RigidBodies | None) -> Turning | None:
+        """The bonded points of bodies that can turn; a point is its owner's."""
+        if bodies is None or self.modes != 6:
+            return None
+        dofs, positions = [], []
+        free = (self.u_dofs >= 0).all(axis=1) & (self.u_dofs < self.owned).all(axis=1)
+        for pulled in self._coupled:
+            nodes = np.flatnonzero(free & np.isin(self.u_dofs, pulled).all(axis=1))
+            dofs.append(self.u_dofs[nodes])
+            positions.append(np.asarray(self.domain.mesh.geometry.x[nodes]))
+        return Turning(dofs, positions, np.asarray(bodies.centres_mm), bodies.arm_mm)
 
     @property
     def held_bodies(self) -> NDArray[np.bool_]:

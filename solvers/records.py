@@ -12,7 +12,7 @@ from solvers.newton import NewtonReport, NewtonSettings
 from solvers.problem import Problem
 from solvers.state import State
 
-Control = Literal["pressure", "volume"]
+Control = Literal["pressure", "volume", "arc"]
 Progress = Callable[[str, float, int, float], None]
 
 
@@ -23,14 +23,17 @@ class PathSettings:
     Attributes
     ----------
     control
-        ``pressure`` or ``volume``: what the steps are taken in; ``auto`` starts with ``start_control`` and changes to
-        the other and back where one fails or comes near its limits.
+        ``pressure``, ``volume`` or ``arc`` (length, see solvers.arc): what the steps are taken in; ``auto`` starts with
+        ``start_control`` and changes between the first two where one fails or comes near its limits, and to the third
+        where the volume turns back.
     start_control
-        The control that needs fewer factorisations where both work; docs/decisions.md has the count.
+        Pressure or volume: the one that needs fewer factorisations where both work; docs/decisions.md has the count.
     first_step, largest_step
         Volume steps as fractions of the unloaded volume.
     first_pressure_step, largest_pressure_step
-        Pressure steps as fractions of the highest asked pressure.
+        Pressure steps as fractions of the highest asked pressure; arc length begins with one of them.
+    largest_arc_step
+        Arc length of a step, in the scale of `solvers.arc.scale_of`.
     smallest_step
         Below this fraction, of the same, the path is given up.
     few_iterations, many_iterations
@@ -46,12 +49,13 @@ class PathSettings:
         Settings of each solve.
     """
 
-    control: Literal["auto", "pressure", "volume"] = "auto"
+    control: Literal["auto", "pressure", "volume", "arc"] = "auto"
     start_control: Control = "volume"
     first_step: float = 0.3
     largest_step: float = 0.5
     first_pressure_step: float = 0.05
     largest_pressure_step: float = 0.5
+    largest_arc_step: float = 0.25
     smallest_step: float = 1e-4
     few_iterations: int = 6
     many_iterations: int = 8
@@ -74,7 +78,7 @@ class PathState:
     asked
         True if the pressure was one of the asked ones.
     control
-        ``pressure`` or ``volume``: which was held in the solve.
+        ``pressure``, ``volume`` or ``arc``: which was held in the solve.
     volume_mm3, energy_mj, reaction_n
         Enclosed volume, stored energy, axial support force.
     end_force_n
@@ -222,7 +226,7 @@ class PathMemory:
     history
         The last converged states, at most three, the last one last.
     control, step
-        The control in force and its next step, mm^3 or MPa.
+        The control in force and its next step, mm^3, MPa or arc length.
     reached
         Number of asked pressures reached.
     rejected

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from mpi4py import MPI
 
+from solvers.arc import Scale, plane_at
 from solvers.domain import FloatArray
 from solvers.errors import Cause, StepFailed
 from solvers.linear import Factor
@@ -42,6 +43,7 @@ def locate_crossing(
     before: PathPoint,
     after: PathPoint,
     tolerance: float,
+    along: Scale | None = None,
 ) -> Crossing:
     """First change of the number of unstable modes between two converged states, by bisection in the volume.
 
@@ -55,6 +57,8 @@ def locate_crossing(
         Neighbouring states of a path with different counts.
     tolerance
         The pressures of the final two states differ by less than this share.
+    along
+        Bisect along the path, in this scale of arc length, as on a path that is followed so.
 
     Returns
     -------
@@ -63,14 +67,14 @@ def locate_crossing(
     """
     # A load that does no work on the path to the crossing leaves the volume as it is: then by pressure.
     moves = abs(after.volume_mm3 - before.volume_mm3) > 1e-9 * problem.volume_unit_mm3
-    control: Control = "volume" if moves else "pressure"
+    control: Control = "arc" if along is not None else "volume" if moves else "pressure"
     low, high, width = before, after, 1.0
     for _ in range(BISECTIONS):
         near = abs(high.pressure_mpa - low.pressure_mpa) <= tolerance * abs(high.pressure_mpa)
         if near and (width <= LEAST_SHRINKING or control == "pressure"):
             break
         try:
-            middle = _between(problem, factor, settings, low, high, control)
+            middle = _between(problem, factor, settings, low, high, control, along)
         except StepFailed:
             break
         width *= 0.5
@@ -92,12 +96,22 @@ def locate_crossing(
 
 
 def _between(
-    problem: Problem, factor: Factor, settings: NewtonSettings, low: PathPoint, high: PathPoint, control: Control
+    problem: Problem,
+    factor: Factor,
+    settings: NewtonSettings,
+    low: PathPoint,
+    high: PathPoint,
+    control: Control,
+    along: Scale | None,
 ) -> PathPoint:
     """Equilibrium half-way between two."""
-    problem.set_state(combine([low.state, high.state], [0.5, 0.5]))
+    middle = combine([low.state, high.state], [0.5, 0.5])
+    problem.set_state(middle)
     report: NewtonReport
-    if control == "volume":
+    if along is not None:
+        plane = plane_at(problem, low.state, middle, along)
+        report = solve_equilibrium(problem, factor, settings, plane=plane)
+    elif control == "volume":
         volume = 0.5 * (low.volume_mm3 + high.volume_mm3)
         report = solve_equilibrium(problem, factor, settings, volume_mm3=volume)
     else:

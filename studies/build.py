@@ -11,6 +11,7 @@ from mpi4py import MPI
 
 from analytical.materials import SILICONE_DENSITY_G_CM3
 from meshes.cells import CellKind
+from meshes.eccentric import shift_core
 from meshes.errors import GeometryError
 from meshes.meridian import default_resolution, meridian_mesh
 from meshes.quality import region_volumes_mm3
@@ -54,15 +55,19 @@ def scene_meridian(scene: Scene, refinement: int) -> SolidMesh:
 SECTORS = {"full3d": 1, "sector": 4}
 
 
-def scene_body(meridian: SolidMesh, rung: str, around: int) -> SolidMesh:
+def scene_body(meridian: SolidMesh, rung: str, around: int, core_shift_mm: float = 0.0) -> SolidMesh:
     """The body, or the sector of it, made from a meridian; ``around`` counts the cells in the whole circle.
 
     Raises
     ------
     GeometryError
-        If the cells do not share out to the sector.
+        If the cells do not share out to the sector, or the core is shifted in one.
     """
     parts = SECTORS[rung]
+    if core_shift_mm:
+        if parts > 1:
+            raise GeometryError("a sector of a body whose core is off the axis: take full3d")
+        return shift_core(scene_body(meridian, rung, around), meridian, core_shift_mm)
     if meridian.cell.name == "quadrilateral":
         if around % parts:
             raise GeometryError(f"cells round the circumference = {around}: must be a multiple of {parts} in a sector")

@@ -91,7 +91,7 @@ class ExactLoad(Section):
     kind: Literal["cavity", "external", "dead"] | None = None
     pressure_kpa: Annotated[list[Load_kPa], Field(min_length=1)] | None = None
     tension_kpa: Annotated[list[Load_kPa], Field(min_length=1)] | None = None
-    control: Literal["auto", "pressure", "volume"] = "auto"
+    control: Literal["auto", "pressure", "volume", "arc"] = "auto"
 
     @model_validator(mode="after")
     def _ascending(self) -> ExactLoad:

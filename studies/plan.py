@@ -98,8 +98,14 @@ def make_plan(
             f'{scene.name}: a sector is meshed in hexahedra: it needs mesh.element = "hex" and rigid rings'
         )
     skipped = []
-    chosen: Rung = rung or "axisymmetric"
-    if rung is None:
+    off_axis = scene.geometry.eccentricity > 0.0
+    if off_axis and rung not in (None, "full3d"):
+        raise SceneError(
+            f"{scene.name}: geometry.eccentricity = {scene.geometry.eccentricity:g} is not rotationally symmetric: it "
+            f"needs --rung full3d, not {rung}; set it to 0 for the centred core"
+        )
+    chosen: Rung = rung or ("full3d" if off_axis else "axisymmetric")
+    if rung is None and not off_axis:
         skipped.append(
             "closed form as the answer: its error is not bounded, so it cannot promise "
             f"{scene.ask.tolerance_percent:g} %; it is computed beside the finite elements"
@@ -107,6 +113,11 @@ def make_plan(
         skipped.append(
             "full 3D: geometry, material and load are rotationally symmetric, so the axisymmetric model "
             "is exact for them (force it with --rung full3d)"
+        )
+    if off_axis:
+        skipped.append(
+            "the axisymmetric model as the answer: the core sat off the axis; it solves the centred one, the limit to "
+            "compare with and the first guesses"
         )
     if chosen == "closed_form" and scene.load.tip_force_n:
         raise SceneError(

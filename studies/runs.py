@@ -43,12 +43,14 @@ from studies.results import (
     write_summary,
 )
 from studies.run_log import Job, Log, Run, begin, field_file, finish, finished_run, path_row, stamp, write_collection
-from studies.scene import Scene, dimensions_of, law_of
+from studies.scene import Scene, core_shift_mm, dimensions_of, law_of, without_eccentricity
 from studies.states import load_state, save_state
 
 
 def run_hash(scene: Scene, rung: str, level: str) -> str:
-    """Hash of everything that decides a run's numbers."""
+    """Hash of everything that decides a run's numbers; the axisymmetric model knows a centred core only."""
+    if rung == "axisymmetric":
+        scene = without_eccentricity(scene)
     physics = scene.model_dump(mode="json", exclude={"name", "ask"})
     text = json.dumps([physics, rung, level, provenance.code_hash()], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
@@ -129,7 +131,7 @@ def _closed_form_tip(scene: Scene) -> tuple[list[float], list[float]]:
 def run_axisymmetric(
     scene: Scene, refinement: int, folder: Path, comm: MPI.Comm, progress: Progress, modes: bool = False
 ) -> Run:
-    """The axisymmetric path of a scene on one mesh, solved on rank 0 and known to all.
+    """The axisymmetric path of a scene on one mesh, solved on rank 0 and known to all; of a core off the axis, centred.
 
     Parameters
     ----------
@@ -149,6 +151,7 @@ def run_axisymmetric(
     SolverError
         On every rank, if rank 0 failed.
     """
+    scene = without_eccentricity(scene)
     level = f"r{refinement}"
     content_hash = run_hash(scene, "axisymmetric", level)
     answer: Run | Exception | None = None
@@ -245,7 +248,7 @@ def run_body(
 
     # Every rank makes the mesh: it takes a second, and all need it to read and to write states.
     meridian = comm.bcast(scene_meridian(scene, level.meridian) if comm.rank == 0 else None)
-    body = scene_body(meridian, rung, level.around)
+    body = scene_body(meridian, rung, level.around, core_shift_mm(scene))
     guesses: list[State] = []
     for pressure in scene.pressures_mpa:
         saved = comm.bcast(load_state(meridian_run, meridian_hash, pressure) if comm.rank == 0 else None)
@@ -262,7 +265,8 @@ def run_body(
         comm,
         body,
         lambda item: path_row(item, tip.mean_mm(item.state), tip.centre_mm(item.state), parts),
-        GapMeter(scene, meridian, body),
+        # gaps are measured in planes through the axis, which a body that bends leaves
+        None if scene.geometry.eccentricity else GapMeter(scene, meridian, body),
     )
 
     def keep(item: PathState) -> None:
@@ -294,7 +298,8 @@ def _add_missing_fields(scene: Scene, level: BodyLevel, folder: Path, run: Run) 
     missing = [p for p in reached if not field_file(folder, 1e-3 * p).exists()]
     if not scene.ask.fields or not missing:
         return
-    body = scene_body(scene_meridian(scene, level.meridian), run.summary.rung, level.around)
+    meridian = scene_meridian(scene, level.meridian)
+    body = scene_body(meridian, run.summary.rung, level.around, core_shift_mm(scene))
     for pressure in missing:
         saved = load_state(folder, run.summary.content_hash, 1e-3 * pressure)
         if saved is not None:

@@ -54,6 +54,7 @@ class Geometry(Section):
     fillet_mm: Annotated[float, Field(ge=0.1, le=100.0)] = 0.5
     tip: Literal["cap", "rigid"] = "cap"  # rigid: a plate bonded to the open end; cap_mm has no meaning then
     cap_mm: Length = 5.0
+    eccentricity: Annotated[float, Field(ge=0.0, le=0.5)] = 0.0  # how far the core sat off the axis, of the wall
 
 
 class Rings(Section):
@@ -119,7 +120,7 @@ class Load(Section):
     """
 
     pressure_kpa: Annotated[list[Annotated[float, Field(gt=0.0, allow_inf_nan=False)]], Field(min_length=1)]
-    control: Literal["auto", "pressure", "volume"] = "auto"
+    control: Literal["auto", "pressure", "volume", "arc"] = "auto"
     tip: Literal["free", "blocked"] = "free"
     tip_force_n: Annotated[float, Field(allow_inf_nan=False)] = 0.0
 
@@ -168,7 +169,8 @@ class Scene(Section):
     def title(self) -> str:
         """One line for headings."""
         g = self.geometry
-        end = ", blocked tip" if self.blocked else ""
+        end = f", core off the axis by {100.0 * g.eccentricity:g} % of t" if g.eccentricity else ""
+        end += ", blocked tip" if self.blocked else ""
         end += f", {self.load.tip_force_n:g} N on the tip" if self.load.tip_force_n else ""
         return f"t = {g.wall_mm:g} mm, R_i = {g.root_radius_mm:g} mm, {describe_material(self.material)}{end}"
 
@@ -176,6 +178,18 @@ class Scene(Section):
     def blocked(self) -> bool:
         """True if the tip is held."""
         return self.load.tip == "blocked"
+
+
+def without_eccentricity(scene: Scene) -> Scene:
+    """The same scene moulded round a centred core, which is rotationally symmetric."""
+    if scene.geometry.eccentricity == 0.0:
+        return scene
+    return scene.model_copy(update={"geometry": scene.geometry.model_copy(update={"eccentricity": 0.0})})
+
+
+def core_shift_mm(scene: Scene) -> float:
+    """How far the core sat off the axis, mm."""
+    return scene.geometry.eccentricity * scene.geometry.wall_mm
 
 
 def describe_material(material: YeohMaterial | OgdenMaterial | NeoHookeMaterial) -> str:
@@ -291,6 +305,7 @@ def _faults(scene: Scene) -> list[str]:
             f"rings.bond_grading_mm = {rings.bond_grading_mm:g}: must be at most half of seat_mm = {rings.seat_mm:g}"
         )
     faults += _tip_faults(scene)
+    faults += _core_faults(scene)
     return faults + material_faults(scene.material, scene.load.pressure_kpa[-1], "load.pressure_kpa")
 
 
@@ -313,6 +328,16 @@ def _tip_faults(scene: Scene) -> list[str]:
         faults.append(f'{given}: a force acts on a rigid plate: set geometry.tip = "rigid"')
     if "tip_force_n" in scene.ask.quantities and not scene.blocked:
         faults.append('ask.quantities: "tip_force_n" of a free tip is what is given: set load.tip = "blocked"')
+    return faults
+
+
+def _core_faults(scene: Scene) -> list[str]:
+    given = f"geometry.eccentricity = {scene.geometry.eccentricity:g}"
+    faults = []
+    if scene.geometry.eccentricity and scene.geometry.tip == "rigid":
+        faults.append(f'{given}: a plate closes a round opening about the axis: set geometry.tip = "cap"')
+    if scene.geometry.eccentricity and scene.rings.model == "meshed":
+        faults.append(f'{given}: with meshed rings not modelled: set rings.model = "rigid"')
     return faults
 
 

@@ -1,0 +1,48 @@
+"""A body that bends, its rings turning, on one and two ranks."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SCRIPT = Path(__file__).with_name("bent_script.py")
+SHORT = ROOT / "scenes" / "imperfection" / "short-core-10.toml"
+
+
+@pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun")
+def test_one_and_two_ranks_bend_alike(tmp_path: Path) -> None:
+    text = SHORT.read_text(encoding="utf-8").replace("convolutions = 2", "convolutions = 1")
+    scene = tmp_path / "mini.toml"
+    scene.write_text(text, encoding="utf-8")
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
+    environment |= {
+        "OPENBLAS_NUM_THREADS": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+        "OMPI_MCA_rmaps_base_oversubscribe": "1",
+        "OMPI_MCA_hwloc_base_binding_policy": "none",
+        "PYTHONPATH": str(ROOT),
+    }
+    answers = []
+    for ranks in (1, 2):
+        command = ["mpirun", "-n", str(ranks), sys.executable, str(SCRIPT), str(scene), str(tmp_path / f"out-{ranks}")]
+        done = subprocess.run(
+            command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=900, check=False
+        )
+        assert done.returncode == 0, done.stderr[-2000:]
+        answers.append(json.loads(done.stdout.splitlines()[-1]))
+    one, two = answers
+    assert (one["ranks"], two["ranks"]) == (1, 2)
+    assert one["status"] == two["status"] == "reached"
+    assert one["iterations"] == two["iterations"] and one["modes"] == two["modes"] == [0.0, 0.0]
+    assert abs(one["bends"][-1]) > 0.5
+    # Newton to 1e-8 of the load; twelve digits are written
+    for name in ("tips", "bends", "volumes"):
+        assert two[name] == pytest.approx(one[name], rel=1e-6), name
