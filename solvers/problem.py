@@ -44,9 +44,10 @@ class Surfaces:
 
     Attributes
     ----------
-    cavity, external, dead, dead_pressure
-        The loaded surface, exactly one of the four: by a pressure from inside, by a pressure from outside (both
-        follow the surface), or by a tension or a pressure along the reference normal that keeps its direction.
+    cavity, external, dead, dead_pressure, dead_shear
+        The loaded surface, exactly one of the five: by a pressure from inside, by a pressure from outside (both
+        follow the surface), or by a tension or a pressure along the reference normal, or a traction along the second
+        direction, that keeps its direction.
     clamped
         All displacement components are zero.
     bond
@@ -69,6 +70,7 @@ class Surfaces:
     pinned: tuple[tuple[int, int], ...] = ()
     dead_pressure: int | None = None
     blocked: int | None = None
+    dead_shear: int | None = None
 
     @property
     def load(self) -> tuple[LoadKind, int]:
@@ -84,6 +86,7 @@ class Surfaces:
             "external": self.external,
             "dead": self.dead,
             "dead_pressure": self.dead_pressure,
+            "dead_shear": self.dead_shear,
         }
         given = [(kind, number) for kind, number in kinds.items() if number is not None]
         if len(given) != 1:

@@ -16,6 +16,7 @@ from analytical.bellows import BellowsDimensions
 from analytical.materials import (
     PLA,
     POLYETHYLENE,
+    Guccione,
     Law,
     MaterialError,
     NeoHooke,
@@ -31,6 +32,8 @@ from studies.sections import Length, Modulus, Section, Stiffness, read_toml, val
 
 # Stretches up to this must be stable for a law to be accepted; the reference actuators stay below it to 20 kPa.
 STABLE_STRETCH = 4.0
+# The exponential law softens in uniaxial extension beyond a stretch of 2, where the Green strain across passes -1/4.
+GUCCIONE_STABLE_STRETCH = 1.99
 # A bond meant as rigid is a layer this stiff, MPa/mm: its slip is at most 0.003 mm at 20 kPa, and tips are within
 # 0.005 % of those with meshed PLA rings, which share their nodes with the wall (make study-paper; docs/decisions.md).
 RIGID_BOND_MPA_PER_MM = 3000.0
@@ -110,6 +113,18 @@ class NeoHookeMaterial(Section):
     kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
 
 
+class GuccioneMaterial(Section):
+    """W = C/2 (exp(b E:E) - 1), isotropic; initial shear modulus b C / 2."""
+
+    law: Literal["guccione"]
+    c_kpa: Modulus
+    b: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0
+    kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
+
+
+AnyMaterial = YeohMaterial | OgdenMaterial | NeoHookeMaterial | GuccioneMaterial
+
+
 class Load(Section):
     """Cavity pressures at which results are asked, kPa, ascending, what the steps between are taken in, and the tip.
 
@@ -177,26 +192,30 @@ class Scene(Section):
         return self.load.tip == "blocked"
 
 
-def describe_material(material: YeohMaterial | OgdenMaterial | NeoHookeMaterial) -> str:
+def describe_material(material: AnyMaterial) -> str:
     """The law, its numbers and the initial shear modulus."""
     mu = f"initial shear modulus {1e3 * law_of(material).initial_shear_modulus_mpa:.4g} kPa"
     if isinstance(material, YeohMaterial):
         return f"Yeoh C = {', '.join(f'{c:g}' for c in material.c_kpa)} kPa ({mu})"
     if isinstance(material, OgdenMaterial):
         return f"Ogden mu = {material.mu_kpa:g} kPa, alpha = {material.alpha:g}, {material.convention} ({mu})"
+    if isinstance(material, GuccioneMaterial):
+        return f"Guccione C = {material.c_kpa:g} kPa, b = {material.b:g} ({mu})"
     return f"neo-Hooke ({mu})"
 
 
-def law_of(material: YeohMaterial | OgdenMaterial | NeoHookeMaterial) -> Law:
+def law_of(material: AnyMaterial) -> Law:
     """The material law in MPa."""
     if isinstance(material, YeohMaterial):
         return Yeoh(tuple(1e-3 * c for c in material.c_kpa))
     if isinstance(material, OgdenMaterial):
         return Ogden(1e-3 * material.mu_kpa, material.alpha, material.convention)
+    if isinstance(material, GuccioneMaterial):
+        return Guccione(1e-3 * material.c_kpa, material.b)
     return NeoHooke(1e-3 * material.mu_kpa)
 
 
-def inverse_kappa(material: YeohMaterial | OgdenMaterial | NeoHookeMaterial) -> float:
+def inverse_kappa(material: AnyMaterial) -> float:
     """1/kappa in 1/MPa; 0 when incompressible."""
     return 1.0 / (material.kappa_over_mu * law_of(material).initial_shear_modulus_mpa)
 
@@ -315,14 +334,12 @@ def _tip_faults(scene: Scene) -> list[str]:
     return faults
 
 
-def material_faults(
-    material: YeohMaterial | OgdenMaterial | NeoHookeMaterial, highest_kpa: float, key: str
-) -> list[str]:
+def material_faults(material: AnyMaterial, highest_kpa: float, key: str) -> list[str]:
     """What is wrong with a law, or with a highest load beside it that suggests another unit."""
     faults = []
     try:
         law = law_of(material)
-        check_stability(law, STABLE_STRETCH)
+        check_stability(law, GUCCIONE_STABLE_STRETCH if isinstance(law, Guccione) else STABLE_STRETCH)
         modulus = 1e3 * law.initial_shear_modulus_mpa
         if highest_kpa > 10.0 * modulus:
             faults.append(
