@@ -143,6 +143,10 @@ report: check ## render the report of results/paper again from its runs
 study-exact: check ## bodies with exact answers, every model of each -> results/exact
 	$(LAUNCH) -m studies exact --out results/exact
 
+.PHONY: study-verification
+study-verification: check ## table of every exact and published problem -> results/verification
+	$(LAUNCH) -m studies verification --out results/verification --reuse results/exact
+
 .PHONY: study-closed-form
 study-closed-form: check ## chains, mends, validity, laws and exact solutions -> results/closed-form
 	$(PYTHON) -m studies closed-form --out results/closed-form

@@ -198,8 +198,10 @@ class Ogden:
 
 @dataclass(frozen=True)
 class Guccione:
-    """Isotropic exponential law, W = C/2 (exp(b E:E) - 1) with the Green strain E (Guccione et al., J. Biomech. Eng.
-    113 (1991) 42, with b_f = b_t = b_fs = b; problem 2 of Land et al., Proc. R. Soc. A 471 (2015) 20150641).
+    """Isotropic exponential law, W = C/2 (exp(b E:E) - 1) with the Green strain E.
+
+    Guccione et al., J. Biomech. Eng. 113 (1991) 42, with b_f = b_t = b_fs = b; as in problem 2 of Land et al., Proc. R.
+    Soc. A 471 (2015) 20150641.
 
     Parameters
     ----------
@@ -241,7 +243,7 @@ class Guccione:
         return np.asarray(growth * (both + bend[..., :, None] * np.eye(3)))
 
     def _exponent(self, l1: ArrayLike, l2: ArrayLike, l3: ArrayLike) -> FloatArray:
-        """b E:E at the principal stretches."""
+        """B E:E at the principal stretches."""
         strains = (0.5 * (np.asarray(value) ** 2 - 1.0) for value in (l1, l2, l3))
         return np.asarray(self.b * sum(strain**2 for strain in strains))
 

@@ -1,6 +1,6 @@
-"""Simple bodies with exact or published answers: meridians of a tube, a half sphere, a cylinder and an ellipsoid open
-at its base, a block, and Cook's membrane.
+"""Simple bodies with exact or published answers.
 
+Meridians of a tube, a half sphere, a cylinder and an ellipsoid open at its base; a block, and Cook's membrane.
 The meridians are swept by `meshes.revolve` and `meshes.sweep` like any other.
 """
 

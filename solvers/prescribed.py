@@ -1,7 +1,8 @@
 """Equilibrium with rigid bodies moved by a prescribed amount, in steps that are cut where Newton fails.
 
-The guess of a step is the linear one: with K the tangent at the last state and r the residual there once the held bodies
-have moved, ``du = -K^-1 r`` carries the wall along. The bond's energy is quadratic in u, so its forces vanish in the guess.
+The guess of a step is the linear one: with K the tangent at the last state and r the residual there once the held
+bodies have moved, ``du = -K^-1 r`` carries the wall along. The bond's energy is quadratic in u, so its forces vanish in
+the guess.
 """
 
 from __future__ import annotations

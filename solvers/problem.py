@@ -216,6 +216,8 @@ class Problem:
         self._coupled = self._coupled_dofs()
         self.constrained_owned = self._is_constrained[: self.owned]
         self.shear_modulus_mpa = float(law.initial_shear_modulus_mpa)
+        self.inverse_kappa = float(inverse_kappa)
+        self.volume_measure = (kin.measure, ufl.dx(domain=mesh, degree=degree))
         unit = compat.assemble_array(unit_form, self.index_map).array[: self.owned]
         self.volume_scale = float(np.sqrt(self.comm.allreduce(float(unit @ unit), op=MPI.SUM)))
         # what volumes are measured by: the unloaded one, or the body's where the load encloses none

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from meshes.user_mesh import read_user_mesh
-from studies.exact_scene import CylinderGeometry, ExactScene, MeshGeometry, TubeGeometry
+from studies.exact_geometry import CylinderGeometry, MeshGeometry, TubeGeometry
+from studies.exact_scene import ExactScene
 from studies.plan import Rung
 from studies.sections import SceneError
 

@@ -31,18 +31,18 @@ from solvers.problem import SOFT, Problem, Surfaces
 from solvers.rigid import RigidBodies
 from solvers.state import State
 from studies.build import element_of
-from studies.exact_plan import cells_of
-from studies.exact_scene import (
+from studies.exact_geometry import (
     BlockGeometry,
     CookGeometry,
     CylinderGeometry,
-    ExactScene,
     MeshGeometry,
     RingGeometry,
     SphereGeometry,
     TubeGeometry,
     VentricleGeometry,
 )
+from studies.exact_plan import cells_of
+from studies.exact_scene import ExactScene
 from studies.levels import fineness
 from studies.scene import inverse_kappa, law_of
 

@@ -102,7 +102,9 @@ def _section(folder: Path, scene: ExactScene, report: SceneReport) -> dict[str, 
     place = Path("pictures", f"{tables.anchor_of(report)}.png")
     (folder / "pictures").mkdir(parents=True, exist_ok=True)
     quantity = _plotted(scene)
-    drawn = scene.geometry.kind != "cylinder" and any(row.quantity == quantity and math.isfinite(row.value) for row in report.rows)
+    drawn = scene.geometry.kind != "cylinder" and any(
+        row.quantity == quantity and math.isfinite(row.value) for row in report.rows
+    )
     if drawn:
         _draw(folder / place, scene, report, quantity)
     return {
@@ -119,6 +121,11 @@ def _section(folder: Path, scene: ExactScene, report: SceneReport) -> dict[str, 
         "times": tables.times(report),
         "notes": list(dict.fromkeys(note for run in report.runs for note in run.plan)),
     }
+
+
+def name_of(quantity: str) -> str:
+    """A quantity in words, with its unit."""
+    return _NAMES.get(quantity, quantity)
 
 
 def _plotted(scene: ExactScene) -> str:
@@ -192,7 +199,7 @@ def _compared(rows: Sequence[Row]) -> Table:
                  f"{row.reference:.6g}" if known else MISSING, _percent(row.error_percent, signed=True),
                  row.source or MISSING)
             )  # fmt: skip
-    header = ("quantity", "load, kPa", "mesh", "value", "exact", "error, %", "exact answer")
+    header = ("quantity", "load, kPa", "mesh", "value", "known", "error, %", "known from")
     return Table(header, tuple(lines), left=(0, 2, 6))
 
 

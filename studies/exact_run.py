@@ -27,9 +27,10 @@ from solvers.records import Path as EquilibriumPath
 from solvers.records import PathMemory, PathPoint, PathSettings, PathState
 from solvers.state import State
 from studies import provenance
+from studies.exact_geometry import CylinderGeometry, MeshGeometry
 from studies.exact_plan import ExactPlan
 from studies.exact_problem import Body, body_of, enclosed_mm3, measures, problem_of
-from studies.exact_scene import CylinderGeometry, ExactScene, MeshGeometry
+from studies.exact_scene import ExactScene
 from studies.progress import Progress
 from studies.results import PathRow, write_text_atomically
 from studies.run_log import Log, Run, begin, field_file, finish, finished_run, path_row, write_collection

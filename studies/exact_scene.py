@@ -25,6 +25,17 @@ from pydantic import Field, model_validator
 from meshes.errors import MeshError
 from meshes.solid import FACETS
 from meshes.user_mesh import read_user_mesh
+from studies.exact_geometry import (
+    BlockGeometry,
+    CookGeometry,
+    CylinderGeometry,
+    Geometry,
+    MeshGeometry,
+    RingGeometry,
+    SphereGeometry,
+    TubeGeometry,
+    VentricleGeometry,
+)
 from studies.scene import (
     GuccioneMaterial,
     Mesh,
@@ -37,7 +48,7 @@ from studies.scene import (
     load_scene,
     material_faults,
 )
-from studies.sections import Length, SceneError, Section, read_toml, validated
+from studies.sections import SceneError, Section, read_toml, validated
 
 Load_kPa = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Quantity = Literal[
@@ -53,76 +64,6 @@ Quantity = Literal[
     "apex_inside_mm",
     "apex_outside_mm",
 ]
-
-
-class TubeGeometry(Section):
-    """A tube; ``plane-strain`` keeps its length, ``bonded`` also the radius at its ends, ``capped`` closes one."""
-
-    kind: Literal["tube"]
-    inner_radius_mm: Length
-    outer_radius_mm: Length
-    length_mm: Length
-    ends: Literal["plane-strain", "bonded", "capped"] = "plane-strain"
-
-
-class SphereGeometry(Section):
-    """A hollow sphere; its upper half is meshed."""
-
-    kind: Literal["sphere"]
-    inner_radius_mm: Length
-    outer_radius_mm: Length
-
-
-class RingGeometry(Section):
-    """A ring in plane strain; the sector of half a wave is meshed, which admits ``waves``, twice as many, and so on."""
-
-    kind: Literal["ring"]
-    inner_radius_mm: Length
-    outer_radius_mm: Length
-    waves: Literal[2, 3]
-
-
-class BlockGeometry(Section):
-    """A cube."""
-
-    kind: Literal["block"]
-    edge_mm: Length = 10.0
-
-
-class CylinderGeometry(Section):
-    """A solid cylinder, clamped at one end and bonded to a rigid plate at the other, which turns about the axis."""
-
-    kind: Literal["cylinder"]
-    radius_mm: Length
-    length_mm: Length
-
-
-class CookGeometry(Section):
-    """Cook's membrane, 48 mm long and 44 to 16 mm high, in plane strain; clamped on the left."""
-
-    kind: Literal["cook"]
-
-
-class VentricleGeometry(Section):
-    """A wall between two ellipsoids of revolution, cut off by the base plane, which is clamped.
-
-    Semi-axes across and along the axis; the base is ``base_mm`` from the ellipsoids' centre, away from the apex.
-    """
-
-    kind: Literal["ventricle"]
-    inner_across_mm: Length
-    inner_along_mm: Length
-    outer_across_mm: Length
-    outer_along_mm: Length
-    base_mm: Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
-
-
-class MeshGeometry(Section):
-    """A user's gmsh file beside the scene; ``scale`` makes its lengths mm (1000 for metres)."""
-
-    kind: Literal["mesh"]
-    file: Annotated[str, Field(min_length=1)]
-    scale: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] = 1.0
 
 
 LOAD_LISTS = ("pressure_kpa", "tension_kpa", "traction_kpa")
@@ -160,16 +101,6 @@ class ExactAsk(Section):
     fields: bool = False
 
 
-Geometry = (
-    TubeGeometry
-    | SphereGeometry
-    | RingGeometry
-    | BlockGeometry
-    | CylinderGeometry
-    | CookGeometry
-    | VentricleGeometry
-    | MeshGeometry
-)
 KINDS = tuple(get_args(g.model_fields["kind"].annotation)[0] for g in get_args(Geometry))
 # What may be asked of a kind, the first unless something else is asked; and how it may be loaded, the first if unsaid.
 QUANTITIES: dict[str, tuple[Quantity, ...]] = {
@@ -200,9 +131,7 @@ class ExactScene(Section):
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$")]
     geometry: Annotated[Geometry, Field(discriminator="kind")]
     mesh: Mesh = Mesh()
-    material: Annotated[
-        YeohMaterial | OgdenMaterial | NeoHookeMaterial | GuccioneMaterial, Field(discriminator="law")
-    ]
+    material: Annotated[YeohMaterial | OgdenMaterial | NeoHookeMaterial | GuccioneMaterial, Field(discriminator="law")]
     load: ExactLoad
     ask: ExactAsk = ExactAsk()
 

@@ -11,9 +11,10 @@ from pathlib import Path
 from mpi4py import MPI
 
 from studies.exact_answers import exact_crossing_kpa, known_value
+from studies.exact_geometry import TubeGeometry
 from studies.exact_plan import ExactPlan, make_exact_plan, rungs_of
 from studies.exact_run import LIMIT_VOLUME, ExactRun, run_exact
-from studies.exact_scene import ExactScene, TubeGeometry
+from studies.exact_scene import ExactScene
 from studies.levels import fineness
 from studies.progress import Progress
 from studies.results import PATH_FILE, SUMMARY_FILE
