@@ -24,9 +24,9 @@ from studies.scene import GuccioneMaterial, NeoHookeMaterial, inverse_kappa, law
 Answer = tuple[float, str]
 NONE: Answer = (math.nan, "")
 
-# Cook's membrane as in Simo and Armero (Int. J. Numer. Meth. Eng. 33 (1992) 1413), incompressible: their curves end near
-# 6.9 mm and no digits are printed, so the reference is this program's own: meshes n8, n16, n32, n48 give 6.92236, 6.93051,
-# 6.93260, 6.93310 mm, and the limit is known to 0.0005 mm (a slow test of tests/studies/test_published_problems.py).
+# Cook's membrane with the numbers of Simo and Armero (Int. J. Numer. Meth. Eng. 33 (1992) 1413), incompressible. No
+# printed digits were found, so the reference is this program's own: meshes n8, n16, n32, n48 give 6.92236, 6.93051,
+# 6.93260, 6.93310 mm, and the limit is known to 0.0005 mm (a slow test in tests/studies/test_published_problems.py).
 COOK_MATERIAL = NeoHookeMaterial(law="neo-hooke", mu_kpa=80193.8)
 COOK_KPA, COOK_CORNER_MM = 6250.0, 6.9335
 # Land et al. 2015, problem 2: geometry, material, pressure in kPa, and the position of the apex inside, apex down.
@@ -42,6 +42,7 @@ LAND_PROBLEM_2 = (
     GuccioneMaterial(law="guccione", c_kpa=10.0),
     10.0,
 )
+LAND_SOURCE = "published: Land et al. 2015, problem 2 (about; the groups differ by 0.5 %)"
 LAND_APEX_MM = {"apex_inside_mm": -26.6}
 
 

@@ -185,8 +185,8 @@ def _solve(
     run = finish(log, problem, factor, path, body.mesh, (_silicone_g(body), 0.0))
     answer: ExactRun | None = None
     if comm.rank == 0:
-        found = _measured(scene, body.mesh, folder, run)
-        answer = ExactRun(run, {p: {**values, **forces} for p, values in found.items()})
+        measured = _measured(scene, body.mesh, folder, run)
+        answer = ExactRun(run, {p: {**values, **forces} for p, values in measured.items()})
         entries = [{"pressure_kpa": p, **values} for p, values in answer.measured.items()]
         write_text_atomically(folder / MEASURED_FILE, json.dumps(entries, indent=1) + "\n")
         if scene.ask.fields and plan.rung != "axisymmetric":

@@ -1,7 +1,7 @@
 """The verification table: every problem of this repository whose answer is exact, published or known by two routes.
 
-Finite elements: all scenes of ``scenes/exact`` whose rows have a reference, by every model they have, with the observed order
-of convergence. Formulas: the exact solutions themselves, by two routes each (`studies.exact_table`).
+Finite elements: all scenes of ``scenes/exact`` whose rows have a reference, by every model they have, with the observed
+order of convergence. Formulas: the exact solutions themselves, by two routes each (`studies.exact_table`).
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def run_verification(
     out
         Results are kept here, a folder for each scene; rows.csv is written.
     reuse
-        A folder of the same form, such as that of ``make study-exact``, whose finished runs are taken over; None for none.
+        A folder of the same form, such as that of ``make study-exact``, whose finished runs are taken over, or None.
 
     Returns
     -------
@@ -131,8 +131,8 @@ def lines_of(compared: Sequence[Row]) -> list[Line]:
 def observed_order(rows: Sequence[Row]) -> float:
     """Order of convergence from the errors of the two finest meshes, ``ln(e1/e2) / ln(h1/h2)``.
 
-    Against a reference that is not exact the differences of the three finest meshes are used instead, as the reference's
-    own error would stand in the way.
+    Against a reference that is not exact the differences of the three finest meshes are used instead, as the
+    reference's own error would stand in the way.
 
     Returns
     -------

@@ -48,11 +48,7 @@ def problems(lines: tuple[Line, ...]) -> Table:
             value += f" ± {r.uncertainty:.1g}"
         error = f"{r.error_percent:+.2g}".replace("-", "\N{MINUS SIGN}") if math.isfinite(r.error_percent) else MISSING
         order = f"{line.order:.1f}" if math.isfinite(line.order) else MISSING
-        cells.append(
-            (r.scene, name_of(r.quantity), model_label(r.rung, r.level), load, value, f"{r.reference:.6g}", error, order,
-             r.source)
-        )  # fmt: skip
-    header = (
-        "problem", "quantity", "model and mesh", "load, kPa", "value", "reference", "error, %", "observed order", "source",
-    )  # fmt: skip
+        what = (r.scene, name_of(r.quantity), model_label(r.rung, r.level), load, value)
+        cells.append((*what, f"{r.reference:.6g}", error, order, r.source))
+    header = ("problem", "quantity", "model and mesh", "load, kPa", "value", "reference", "error, %", "order", "source")
     return Table(header, tuple(cells), left=(0, 1, 2, 8))
