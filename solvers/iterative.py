@@ -8,8 +8,10 @@ With displacements and bodies u first and pressures p after them the tangent is
 A+ is one V-cycle of smoothed aggregation (GAMG) whose near-null space are the rigid motions of the deformed body, the
 rings' own unknowns included, and M the mass matrix of the pressures (Silvester and Wathen, SIAM J. Numer. Anal. 31
 (1994) 1352, for Stokes flow of constant viscosity; here mu is the initial shear modulus). Pressure rows and columns are
-scaled by mu, so that both fields' residuals are forces. An iterative solve knows no inertia: states come without a count
-of unstable modes.
+scaled by mu, so that both fields' residuals are forces.
+
+An iterative solve knows no inertia: states come without a count of unstable modes. Whether they are stable has to be
+told from a coarser body that is factorised, or from the modes about the axisymmetric state.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from petsc4py import PETSc
 from solvers import compat
 from solvers.domain import FloatArray
 from solvers.errors import Cause, SolverError, StepFailed
+from solvers.linear import Factor
 from solvers.problem import Problem
 
 
@@ -49,8 +52,8 @@ class IterativeSettings:
     threshold: float = 0.005
 
 
-class IterativeSolver:
-    """GMRES on a problem's tangent; stands where a `solvers.linear.Factor` stands.
+class IterativeSolver(Factor):
+    """GMRES on a problem's tangent, with the interface of a factorisation.
 
     Attributes
     ----------
@@ -72,12 +75,9 @@ class IterativeSolver:
                 "the iterative solver is for whole bodies in 3D with quadratic displacements: meridians and sectors "
                 "are small enough to factorise"
             )
-        self.problem, self.settings = problem, settings or IterativeSettings()
-        with problem.timer("pattern"):
-            self.matrix = problem.new_matrix()
-        self.count = 0
+        super().__init__(problem)
+        self.settings = settings or IterativeSettings()
         self.iterations: list[int] = []
-        self._solver: PETSc.KSP | None = None
         with problem.timer("pattern"):
             self._number()
             self._mass = self._pressure_mass()
@@ -93,11 +93,6 @@ class IterativeSolver:
         self._drop_solver()
         for thing in (self.matrix, self._mass, self._scale):
             thing.destroy()
-
-    def _drop_solver(self) -> None:
-        if self._solver is not None:
-            self._solver.destroy()
-            self._solver = None
 
     # ---- numbering -------------------------------------------------------------------------------------
 
@@ -195,8 +190,7 @@ class IterativeSolver:
             self.matrix.diagonalScale(self._scale, self._scale)
             self._drop_solver()
             try:
-                self._solver = self._new_solver()
-                self._solver.setUp()
+                self.solver = self._new_solver()
             except PETSc.Error as error:
                 self._drop_solver()
                 raise StepFailed(f"the preconditioner could not be made: {error}", Cause.LINEAR_SOLVER) from error
@@ -221,7 +215,8 @@ class IterativeSolver:
         }
         for name, value in chosen.items():
             options[prefix + name] = value
-        solver.setType(PETSc.KSP.Type.FGMRES)
+        solver.setType(PETSc.KSP.Type.GMRES)
+        solver.setPCSide(PETSc.PC.Side.RIGHT)  # so that the residual it watches is the true one
         solver.setGMRESRestart(settings.restart)
         solver.setTolerances(rtol=0.3 * settings.relative_tolerance, atol=0.0, max_it=settings.max_iterations)
         solver.setOperators(self.matrix)
@@ -261,7 +256,7 @@ class IterativeSolver:
         StepFailed
             If the residual, computed anew, is not below the tolerance in both fields.
         """
-        assert self._solver is not None
+        assert self.solver is not None
         problem, settings = self.problem, self.settings
         with problem.timer("solve"):
             right, left = self.matrix.createVecs()
@@ -270,8 +265,8 @@ class IterativeSolver:
             if problem.extra and problem.comm.rank == last:
                 right.array[problem.owned :] = on_bodies
             right.pointwiseMult(right, self._scale)
-            self._solver.solve(right, left)
-            self.iterations.append(self._solver.getIterationNumber())
+            self.solver.solve(right, left)
+            self.iterations.append(self.solver.getIterationNumber())
             size = max(self._norms(right))
             residual = right.duplicate()
             self.matrix.mult(left, residual)

@@ -247,6 +247,8 @@ def _faults(scene: ExactScene) -> list[str]:
         faults.append(f'mesh.element = "{scene.mesh.element}": a {g.kind} is meshed in hexahedra: "hex" or "auto"')
     if g.kind == "mesh" and scene.mesh.element != "auto":
         faults.append(f'mesh.element = "{scene.mesh.element}": a user\'s mesh has the cells it has: "auto"')
+    if scene.mesh.solver == "iterative":
+        faults.append(f'mesh.solver = "iterative": a {g.kind} is small and factorised: "direct" or "auto"')
     faults += element_faults(scene.mesh, scene.material.kappa_over_mu)
     if isinstance(g, MeshGeometry):
         try:

@@ -82,9 +82,13 @@ class Mesh(Section):
 
     ``auto`` takes hexahedra unless the rings are meshed. ``tet-p0`` has one pressure per cell, like ANSYS's SOLID187
     with constant pressure; ``tet-p1`` has linear displacements and no pressure, and locks: the control to compare with.
+
+    ``solver`` is for whole bodies in 3D: ``direct`` factorises; ``iterative`` needs less memory, takes longer and
+    counts no unstable modes; ``auto`` goes over to it where the memory does not hold the factors.
     """
 
     element: Literal["auto", "hex", "tet", "tet-p0", "tet-p1"] = "auto"
+    solver: Literal["auto", "direct", "iterative"] = "auto"
 
 
 class YeohMaterial(Section):
@@ -313,7 +317,9 @@ def _faults(scene: Scene) -> list[str]:
 
 
 def element_faults(mesh: Mesh, kappa_over_mu: float) -> list[str]:
-    """What is wrong with an element for a material."""
+    """What is wrong with an element for a material or with a solver for an element."""
+    if mesh.solver == "iterative" and mesh.element == "tet-p1":
+        return ['mesh.solver = "iterative" with mesh.element = "tet-p1": it is made for quadratic elements']
     if mesh.element != "tet-p1" or math.isfinite(kappa_over_mu):
         return []
     return [
