@@ -147,6 +147,10 @@ study-exact: check ## bodies with exact answers, every model of each -> results/
 study-verification: check ## table of every exact and published problem -> results/verification
 	$(LAUNCH) -m studies verification --out results/verification --reuse results/exact
 
+.PHONY: study-large
+study-large: check ## direct and iterative linear algebra over size, 25 minutes at most -> results/large
+	$(PYTHON) -m studies.large_study --out results/large --ranks $(NP)
+
 .PHONY: study-closed-form
 study-closed-form: check ## chains, mends, validity, laws and exact solutions -> results/closed-form
 	$(PYTHON) -m studies closed-form --out results/closed-form

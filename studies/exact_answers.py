@@ -58,9 +58,7 @@ def known_value(scene: ExactScene, quantity: str, load_kpa: float) -> Answer:
     if isinstance(g, CookGeometry) and scene.material == COOK_MATERIAL and load_kpa == COOK_KPA:
         return COOK_CORNER_MM, "own: limit of refined meshes"
     if isinstance(g, VentricleGeometry) and (g, scene.material, load_kpa) == LAND_PROBLEM_2:
-        return LAND_APEX_MM.get(
-            quantity, math.nan
-        ), "published: Land et al. 2015, problem 2 (about, groups differ by 0.5 %)"
+        return LAND_APEX_MM.get(quantity, math.nan), LAND_SOURCE
     return NONE
 
 
