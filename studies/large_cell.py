@@ -137,8 +137,8 @@ def measure(scene: Scene, around: int, refinement: int, method: Method, comm: MP
 def main() -> None:
     """Measure the point that the arguments name."""
     scene, around, refinement, method, file = sys.argv[1:]
-    assert method in ("direct", "iterative")
-    found = measure(load_scene(Path(scene)), int(around), int(refinement), method, MPI.COMM_WORLD)
+    chosen: Method = "iterative" if method == "iterative" else "direct"
+    found = measure(load_scene(Path(scene)), int(around), int(refinement), chosen, MPI.COMM_WORLD)
     if MPI.COMM_WORLD.rank == 0:
         write_text_atomically(Path(file), json.dumps(asdict(found), indent=1) + "\n")
 

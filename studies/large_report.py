@@ -58,7 +58,7 @@ def render_large(folder: Path, cells: Sequence[LargeCell], untried: Sequence[str
 
 def points_table(cells: Sequence[LargeCell]) -> Table:
     """A line per point."""
-    lines = []
+    lines: list[tuple[str, ...]] = []
     for c in sorted(cells, key=lambda c: (c.unknowns, c.method, c.ranks)):
         if c.failure:
             lines.append((f"{c.unknowns}", c.method, str(c.ranks), *(MISSING,) * 5, str(c.iterations), c.failure))
