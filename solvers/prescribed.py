@@ -23,6 +23,8 @@ from solvers.records import Path, PathState, record
 
 # The whole motion is taken in steps of this share at first; a failed one is halved down to the smallest.
 FIRST_STEP, SMALLEST_STEP, GROWTH = 0.25, 1e-3, 1.5
+# No step turns a body further, rad: a whole turn in one step would look like none.
+LARGEST_TURN = 0.5
 
 
 def follow_motion(
@@ -60,12 +62,14 @@ def follow_motion(
         raise SolverError("no rigid body is held, so none can be moved: give the problem a plate that is held")
     held = bonded.is_held.reshape(motion_mm.shape)
     begin = time.perf_counter()
-    here, share, step, rejected = problem.zero_state(), 0.0, FIRST_STEP, 0
+    turn = float(np.abs(motion_mm[:, 3:]).max(initial=0.0)) / bonded.arm_mm
+    longest = LARGEST_TURN / turn if turn > LARGEST_TURN else 1.0
+    here, share, step, rejected = problem.zero_state(), 0.0, min(FIRST_STEP, longest), 0
     problem.set_state(here)
     factor.refresh()
     states: list[PathState] = []
     while share < 1.0:
-        target = 1.0 if share + 1.1 * step >= 1.0 else share + step
+        target = 1.0 if share + step >= 1.0 - 1e-12 else share + step
         bodies = here.bodies_mm.copy()
         bodies[held] = target * motion_mm[held]
         try:
@@ -78,11 +82,11 @@ def follow_motion(
                 factor.refresh()
             rejected += 1
             step *= 0.5
-            if failure.cause is Cause.OUT_OF_MEMORY or step < SMALLEST_STEP:
+            if failure.cause is Cause.OUT_OF_MEMORY or step < SMALLEST_STEP * min(1.0, longest):
                 reason = f"{failure}; {100.0 * share:.4g} % of the motion reached; {REMEDY[failure.cause]}"
                 return Path(tuple(states), False, reason, rejected, failure.cause, None)
             continue
-        share, step = target, GROWTH * step
+        share, step = target, min(GROWTH * step, longest)
         states.append(record(problem, report, share == 1.0, "pressure", begin))
         here = states[-1].state
         if on_state is not None:
