@@ -18,8 +18,8 @@ from studies.tables import MISSING, Table
 TITLE: Final = "Large bodies: direct and iterative linear algebra"
 COLOURS: Final = {"direct": BLUE, "iterative": VERMILION}
 RANKS: Final = (1, 2, 8, 64)
-# Seconds on one rank with two BLAS threads and on two ranks, `make benchmark-solver NP=1` and `NP=2` (docs/decisions.md):
-# what is known of the direct solver where a run of this study has not measured it.
+# Seconds on one rank with two BLAS threads and on two ranks, `make benchmark-solver NP=1` and `NP=2`, which
+# docs/decisions.md records: what is known of the direct solver where a run of this study has not measured it.
 BENCHMARK_UNKNOWNS: Final = 154_805
 BENCHMARK: Final = {"tangent": (1.67, 0.99), "set-up": (1.86, 1.47)}
 
