@@ -69,7 +69,7 @@ def test_reference_of_cooks_membrane_is_what_refined_meshes_tend_to(tmp_path, mo
     assert values[1] + (values[1] - values[0]) / 3.0 == pytest.approx(COOK_CORNER_MM, abs=5e-4)
 
 
-def test_plain_elements_lock_in_cooks_membrane_and_are_refused(tmp_path) -> None:
+def test_tetrahedra_are_refused_for_cooks_membrane(tmp_path) -> None:
     path = tmp_path / "cook.toml"
     path.write_text((SCENES / "cook.toml").read_text(encoding="utf-8") + '[mesh]\nelement = "tet-p1"\n')
     with pytest.raises(SceneError, match="a cook is meshed in hexahedra"):
