@@ -7,7 +7,7 @@ PYTHON := .venv/bin/python
 MPIRUN ?= /usr/bin/mpirun
 SCENES ?= $(wildcard scenes/*.toml)
 SWEEP ?= sweeps/heung-map.toml
-EXAMPLES ?= paper exact closed-form dimensions sweep stability cost error-model peers modes
+EXAMPLES ?= paper exact closed-form dimensions sweep stability cost error-model peers modes verification large
 
 # --- ranks and threads ----------------------------------------------------------------------
 # One rank: BLAS may use all cores. Several ranks: one thread each, or they fight for the cores. Two ranks
@@ -154,6 +154,14 @@ report: check ## render the report of results/paper again from its runs
 .PHONY: study-exact
 study-exact: check ## bodies with exact answers, every model of each -> results/exact
 	$(LAUNCH) -m studies exact --out results/exact
+
+.PHONY: study-verification
+study-verification: check ## table of every exact and published problem -> results/verification
+	$(LAUNCH) -m studies verification --out results/verification --reuse results/exact
+
+.PHONY: study-large
+study-large: check ## direct and iterative linear algebra over size, 25 minutes at most -> results/large
+	$(PYTHON) -m studies.large_study --out results/large --ranks $(NP)
 
 .PHONY: study-closed-form
 study-closed-form: check ## chains, mends, validity, laws and exact solutions -> results/closed-form

@@ -196,6 +196,58 @@ class Ogden:
         return np.asarray(diagonal[..., :, None] * np.eye(3))
 
 
+@dataclass(frozen=True)
+class Guccione:
+    """Isotropic exponential law, W = C/2 (exp(b E:E) - 1) with the Green strain E.
+
+    Guccione et al., J. Biomech. Eng. 113 (1991) 42, with b_f = b_t = b_fs = b; as in problem 2 of Land et al., Proc. R.
+    Soc. A 471 (2015) 20150641.
+
+    Parameters
+    ----------
+    c_mpa
+        Stiffness C, MPa.
+    b
+        Exponent.
+    """
+
+    c_mpa: float
+    b: float = 1.0
+
+    def __post_init__(self) -> None:
+        _require_positive("Guccione c_mpa", self.c_mpa, "give the stiffness in MPa")
+        _require_positive("Guccione b", self.b, "give the exponent, such as 1")
+
+    @property
+    def initial_shear_modulus_mpa(self) -> float:
+        """Initial shear modulus, MPa: b C / 2."""
+        return 0.5 * self.b * self.c_mpa
+
+    def energy(self, l1: ArrayLike, l2: ArrayLike, l3: ArrayLike) -> FloatArray:
+        """Strain energy density at the principal stretches, MPa (mJ/mm3); arrays broadcast."""
+        return np.asarray(0.5 * self.c_mpa * np.expm1(self._exponent(l1, l2, l3)))
+
+    def stress_difference(self, la: ArrayLike, lb: ArrayLike, lc: ArrayLike) -> FloatArray:
+        """Cauchy sigma_a - sigma_b = C b exp(b E:E) (ea la^2 - eb lb^2), ea = (la^2 - 1)/2, MPa; arrays broadcast."""
+        a2, b2 = np.asarray(la) ** 2, np.asarray(lb) ** 2
+        growth = np.exp(self._exponent(la, lb, lc))
+        return np.asarray(0.5 * self.c_mpa * self.b * growth * ((a2 - 1.0) * a2 - (b2 - 1.0) * b2))
+
+    def log_hessian_mpa(self, l1: ArrayLike, l2: ArrayLike, l3: ArrayLike) -> FloatArray:
+        """Second derivatives of W with respect to the log stretches, MPa, shape (..., 3, 3)."""
+        squares = np.stack(np.broadcast_arrays(*(np.asarray(value) ** 2 for value in (l1, l2, l3))), axis=-1)
+        slope = self.b * (squares - 1.0) * squares
+        bend = 2.0 * self.b * squares * (2.0 * squares - 1.0)
+        growth = 0.5 * self.c_mpa * np.exp(self._exponent(l1, l2, l3))[..., None, None]
+        both = slope[..., :, None] * slope[..., None, :]
+        return np.asarray(growth * (both + bend[..., :, None] * np.eye(3)))
+
+    def _exponent(self, l1: ArrayLike, l2: ArrayLike, l3: ArrayLike) -> FloatArray:
+        """B E:E at the principal stretches."""
+        strains = (0.5 * (np.asarray(value) ** 2 - 1.0) for value in (l1, l2, l3))
+        return np.asarray(self.b * sum(strain**2 for strain in strains))
+
+
 # Relative step of the complex-step derivatives: there is no subtraction, so it only has to be so small that
 # its square (1e-60) vanishes beside 1.
 _COMPLEX_STEP: Final = 1e-30
@@ -282,7 +334,7 @@ class EnergyLaw:
         return np.stack([energy.imag for energy in energies], axis=-1) / _COMPLEX_STEP
 
 
-Law = NeoHooke | Yeoh | Ogden
+Law = NeoHooke | Yeoh | Ogden | Guccione
 
 
 class IsotropicLaw(Protocol):

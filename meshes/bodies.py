@@ -1,11 +1,13 @@
-"""Simple bodies with exact answers: meridians of a tube and of a half sphere, and a block.
+"""Simple bodies with exact or published answers.
 
+Meridians of a tube, a half sphere, a cylinder and an ellipsoid open at its base; a block, and Cook's membrane.
 The meridians are swept by `meshes.revolve` and `meshes.sweep` like any other.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -74,6 +76,76 @@ def sphere_meridian(
     lattice[-1, :, 0] = 0.0
     lattice[0, :, 1] = 0.0
     return _lattice_meridian(lattice, ("cavity", "outer", "bottom", "axis"), cells)
+
+
+def cylinder_meridian(
+    radius_mm: float, length_mm: float, inwards: int, along: int, cells: CellKind = "triangles"
+) -> SolidMesh:
+    """Meridian of a solid cylinder: 0 <= r <= radius, 0 <= z <= length.
+
+    Parameters
+    ----------
+    radius_mm, length_mm
+        Size, mm.
+    inwards, along
+        Cells from the surface to the axis, and along it.
+    cells
+        Kind of cells.
+
+    Returns
+    -------
+    SolidMesh
+        Surfaces ``outer``, ``bottom``, ``top`` and ``axis``.
+    """
+    if not (0.0 < radius_mm < math.inf and 0.0 < length_mm < math.inf):
+        raise GeometryError(f"cylinder of radius {radius_mm:g}, length {length_mm:g} mm: both must be positive")
+    r = radius_mm * np.linspace(1.0, 0.0, 2 * inwards + 1)[:, None]
+    z = length_mm * np.linspace(0.0, 1.0, 2 * along + 1)
+    lattice = np.stack(np.broadcast_arrays(r, z), axis=-1)
+    return _lattice_meridian(lattice, ("bottom", "top", "outer", "axis"), cells)
+
+
+def ventricle_meridian(
+    inner_mm: tuple[float, float],
+    outer_mm: tuple[float, float],
+    base_mm: float,
+    along: int,
+    through: int,
+    cells: CellKind = "triangles",
+) -> SolidMesh:
+    """Meridian of a wall between two ellipsoids of revolution, cut off by a plane: an idealised ventricle, apex up.
+
+    Surfaces between the two are ellipsoids too, with semi-axes in between (Land et al. 2015, problem 2).
+
+    Parameters
+    ----------
+    inner_mm, outer_mm
+        Semi-axes of the surfaces across and along the axis, mm.
+    base_mm
+        The body is cut off so far below the ellipsoids' centre, z = -base.
+    along, through
+        Cells from the base to the apex and through the wall.
+    cells
+        Kind of cells.
+
+    Returns
+    -------
+    SolidMesh
+        Surfaces ``cavity``, ``outer``, ``clamped`` (the base) and ``axis``; the tip is the apex outside.
+    """
+    across, up = (np.linspace(a, b, 2 * through + 1) for a, b in zip(inner_mm, outer_mm, strict=True))
+    if not (0.0 < inner_mm[0] < outer_mm[0] and 0.0 <= base_mm < inner_mm[1] < outer_mm[1] < math.inf):
+        raise GeometryError(
+            f"semi-axes {inner_mm} and {outer_mm} mm, base {base_mm:g} mm: need 0 < inner < outer and base < the inner "
+            "one along the axis"
+        )
+    share = np.linspace(0.0, 1.0, 2 * along + 1)[:, None]
+    start = -np.arcsin(base_mm / up)
+    angle = start + share * (0.5 * math.pi - start)
+    lattice = np.stack([across * np.cos(angle), up * np.sin(angle)], axis=-1)
+    lattice[-1, :, 0] = 0.0
+    lattice[0, :, 1] = -base_mm
+    return _lattice_meridian(lattice, ("cavity", "outer", "clamped", "axis"), cells)
 
 
 def _lattice_meridian(lattice: FloatArray, sides: tuple[str, str, str, str], cells: CellKind) -> SolidMesh:
@@ -146,3 +218,39 @@ def block(size_mm: tuple[float, float, float], counts: tuple[int, int, int]) -> 
         facet_bodies=np.full(len(every), -1),
         tip_centre_node=0,
     )
+
+
+def cook_membrane(cells: int, thickness_mm: float = 1.0) -> SolidMesh:
+    """Cook's membrane, corners (0, 0), (48, 44), (48, 60), (0, 44) mm, one layer of 27-node hexahedra thick.
+
+    R. D. Cook, J. Struct. Div. ASCE 100 (1974) 1851. Cells crowd at the four corners, where stresses are
+    singular: at the clamped ones, and where the traction on the right edge meets the free ones.
+
+    Parameters
+    ----------
+    cells
+        Cells along each of the two directions, an even number.
+    thickness_mm
+        Thickness, mm.
+
+    Returns
+    -------
+    SolidMesh
+        Surfaces ``clamped`` (left), ``tip`` (right), ``bottom`` and ``top`` (the two faces), ``outer``; the tip's node
+        is the upper right corner of the lower face.
+    """
+    if cells < 2 or cells % 2:
+        raise GeometryError(f"cells along an edge = {cells}: must be even and at least 2")
+    mesh = block((1.0, 1.0, 1.0), (cells, cells, 1))
+    lines = np.linspace(0.0, 1.0, cells + 1)
+    crowded = np.where(lines <= 0.5, 2.0 * lines**2, 1.0 - 2.0 * (1.0 - lines) ** 2)
+    x, y = (np.interp(mesh.points[:, i], lines, crowded) for i in (0, 1))
+    z = mesh.points[:, 2]
+    middle = mesh.points[mesh.facets].mean(axis=1)
+    tags = np.full(len(middle), FACETS["outer"])
+    for name, axis, at in (("clamped", 0, 0.0), ("tip", 0, 1.0), ("bottom", 2, 0.0), ("top", 2, 1.0)):
+        tags[middle[:, axis] == at] = FACETS[name]
+    low, high = 44.0 * x, 44.0 + 16.0 * x
+    points = np.column_stack([48.0 * x, low + y * (high - low), thickness_mm * z])
+    corner = int(np.argmin(np.abs(mesh.points - [1.0, 1.0, 0.0]).sum(axis=1)))
+    return replace(mesh, points=points, facet_tags=tags, tip_centre_node=corner)

@@ -12,14 +12,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import ufl
 from dolfinx import fem
 
-from analytical.materials import NeoHooke, Ogden, Yeoh
+from analytical.materials import Guccione, NeoHooke, Ogden, Yeoh
 from solvers.errors import SolverError
 from solvers.ogden import FIT_RANGE, power_trace, trace_derivatives
 
 Derivatives = dict[tuple[int, int], Any]
-Law = NeoHooke | Yeoh | Ogden
+Law = NeoHooke | Yeoh | Ogden | Guccione
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,8 @@ def compile_law(law: Law, mesh: Any) -> CompiledLaw:
     law
         Neo-Hooke ``W = mu/2 (I1 - 3)``; Yeoh ``W = sum C_i (I1 - 3)^i``, initial shear modulus 2 C1; Ogden
         ``W = prefactor (sum lambda_i^alpha - 3)`` with prefactor 2 mu/alpha^2 (initial shear modulus mu) or
-        mu/alpha (initial shear modulus mu alpha/2) by its named convention. MPa.
+        mu/alpha (initial shear modulus mu alpha/2) by its named convention; Guccione, isotropic,
+        ``W = C/2 (exp(b E:E) - 1)``, initial shear modulus b C/2. MPa.
     mesh
         dolfinx mesh that owns the constants.
 
@@ -68,7 +70,9 @@ def compile_law(law: Law, mesh: Any) -> CompiledLaw:
         return _yeoh(tuple(law.c_mpa), mesh)
     if isinstance(law, Ogden):
         return _ogden(law, mesh)
-    raise SolverError(f"no finite-element form for the law {type(law).__name__}; use NeoHooke, Yeoh or Ogden")
+    if isinstance(law, Guccione):
+        return _guccione(law, mesh)
+    raise SolverError(f"no finite-element form for the law {type(law).__name__}; use NeoHooke, Yeoh, Ogden or Guccione")
 
 
 def _yeoh(coefficients: tuple[float, ...], mesh: Any) -> CompiledLaw:
@@ -101,3 +105,22 @@ def _ogden(law: Ogden, mesh: Any) -> CompiledLaw:
     low, high = FIT_RANGE
     # I1 >= each x_i and I2 >= each 1/x_i, so these limits keep all x_i in the fit's range.
     return CompiledLaw(derivatives, True, (high, 1.0 / low))
+
+
+def _guccione(law: Guccione, mesh: Any) -> CompiledLaw:
+    """``W = C/2 (exp(Q) - 1)``, ``Q = b E:E = b/4 (I1^2 - 2 I2 - 2 I1 + 3)``, of the isochoric part of the strain."""
+    c, b = fem.Constant(mesh, float(law.c_mpa)), fem.Constant(mesh, float(law.b))
+
+    def derivatives(i1: Any, i2: Any) -> Derivatives:
+        growth = 0.5 * c * ufl.exp(0.25 * b * (i1 * i1 - 2.0 * i2 - 2.0 * i1 + 3.0))
+        by_1, by_2 = 0.5 * b * (i1 - 1.0), -0.5 * b
+        return {
+            (0, 0): growth - 0.5 * c,
+            (1, 0): growth * by_1,
+            (0, 1): growth * by_2,
+            (2, 0): growth * (by_1 * by_1 + 0.5 * b),
+            (1, 1): growth * by_1 * by_2,
+            (0, 2): growth * by_2 * by_2,
+        }
+
+    return CompiledLaw(derivatives, True, (np.inf, np.inf))

@@ -9,6 +9,7 @@ cavity         ``-P cof F N``, a pressure from inside       enclosed volume
 external       ``-P cof F N``, a pressure from outside      minus the enclosed volume
 dead           ``+P N``, a tension that keeps direction     ``int u . N dA``, the gain of volume to first order
 dead_pressure  ``-P N``, a push that keeps direction        ``-int u . N dA``
+dead_shear     ``+P e``, e the second direction (y)         ``int u . e dA``
 =============  ===========================================  =================================================
 
 With N out of the solid a pressure from inside and from outside have the same form, ``-1/2 int (x, y, 0) . cof F N dA``;
@@ -24,9 +25,9 @@ import ufl
 
 from solvers.kinematics import Kinematics, cofactor
 
-LoadKind = Literal["cavity", "external", "dead", "dead_pressure"]
-# Sign of the traction along the normal for loads that keep their direction.
-DEAD = {"dead": 1.0, "dead_pressure": -1.0}
+LoadKind = Literal["cavity", "external", "dead", "dead_pressure", "dead_shear"]
+# Sign of the traction along the normal, or along the second direction, for loads that keep their direction.
+DEAD = {"dead": 1.0, "dead_pressure": -1.0, "dead_shear": 1.0}
 
 
 @dataclass(frozen=True)
@@ -68,8 +69,9 @@ def load_forms(kind: LoadKind, space: Any, state: Any, kin: Kinematics, measure:
     u, _ = ufl.split(state)
     v = kin.three(ufl.TestFunctions(space)[0])
     if kind in DEAD:
-        volume = DEAD[kind] * ufl.inner(kin.three(u), kin.normal) * kin.measure * measure
-        traction = DEAD[kind] * ufl.inner(kin.normal, v) * kin.measure * measure
+        along = ufl.as_vector([0.0, 1.0, 0.0]) if kind == "dead_shear" else kin.normal
+        volume = DEAD[kind] * ufl.inner(kin.three(u), along) * kin.measure * measure
+        traction = DEAD[kind] * ufl.inner(along, v) * kin.measure * measure
     else:
         area = cofactor(ufl.Identity(3) + kin.gradient(u)) * kin.normal
         volume = -0.5 * ufl.inner(kin.transverse_position(u), area) * kin.measure * measure

@@ -45,9 +45,10 @@ class Surfaces:
 
     Attributes
     ----------
-    cavity, external, dead, dead_pressure
-        The loaded surface, exactly one of the four: by a pressure from inside, by a pressure from outside (both
-        follow the surface), or by a tension or a pressure along the reference normal that keeps its direction.
+    cavity, external, dead, dead_pressure, dead_shear
+        The loaded surface, exactly one of the five: by a pressure from inside, by a pressure from outside (both
+        follow the surface), or by a tension or a pressure along the reference normal, or a traction along the second
+        direction, that keeps its direction.
     clamped
         All displacement components are zero.
     bond
@@ -70,6 +71,7 @@ class Surfaces:
     pinned: tuple[tuple[int, int], ...] = ()
     dead_pressure: int | None = None
     blocked: int | None = None
+    dead_shear: int | None = None
 
     @property
     def load(self) -> tuple[LoadKind, int]:
@@ -85,6 +87,7 @@ class Surfaces:
             "external": self.external,
             "dead": self.dead,
             "dead_pressure": self.dead_pressure,
+            "dead_shear": self.dead_shear,
         }
         given = [(kind, number) for kind, number in kinds.items() if number is not None]
         if len(given) != 1:
@@ -216,6 +219,8 @@ class Problem:
         self.turning = self._turning(bodies)
         self.constrained_owned = self._is_constrained[: self.owned]
         self.shear_modulus_mpa = float(law.initial_shear_modulus_mpa)
+        self.inverse_kappa = float(inverse_kappa)
+        self.volume_measure = (kin.measure, ufl.dx(domain=mesh, degree=degree))
         unit = compat.assemble_array(unit_form, self.index_map).array[: self.owned]
         self.volume_scale = float(np.sqrt(self.comm.allreduce(float(unit @ unit), op=MPI.SUM)))
         # what volumes are measured by: the unloaded one, or the body's where the load encloses none

@@ -95,6 +95,7 @@ class BondedBodies:
         grade: Any,
     ) -> None:
         self.domain, self.comm = domain, domain.comm
+        self.centres_mm = bodies.centres_mm
         self.arm_mm, self._plate, self._plate_area = bodies.arm_mm, bodies.plate, bodies.plate_area_mm2
         self.count = len(bodies.centres_mm)
         self.modes = 1 if domain.axisymmetric or bodies.axial_only else 6
@@ -192,6 +193,10 @@ class BondedBodies:
                 turn = Rotation.from_rotvec(value[3:] / self.arm_mm).as_matrix()
             self._translation.x.array.reshape(-1, 3)[cells] = shift
             self._rotation.x.array.reshape(-1, 9)[cells] = turn.ravel()
+
+    def turns(self) -> FloatArray:
+        """Rotations of the bodies, shape (bodies, 3, 3); only for bodies with all six motions."""
+        return np.asarray(Rotation.from_rotvec(self.values[:, 3:] / self.arm_mm).as_matrix())
 
     def _per_body(self, form: Any) -> FloatArray:
         values = compat.assemble_array(form, self._cell_map).array

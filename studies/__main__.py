@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import os
 import sys
+import time
 import traceback
 from pathlib import Path
 from types import TracebackType
@@ -329,6 +330,26 @@ def exact_command(out: Path) -> None:
         _report(out)
     MPI.COMM_WORLD.barrier()
     sys.exit(code)
+
+
+@main.command("verification")
+@OUT_OPTION
+@click.option(
+    "--reuse", type=click.Path(path_type=Path), help="Take over finished runs from this folder, such as results/exact."
+)
+def verification_command(out: Path, reuse: Path | None) -> None:
+    """Make the table of every exact and published problem; the exit code is 3 if one did not reach its loads."""
+    from studies import verification
+    from studies.verification_report import render_verification
+
+    scenes = sorted((provenance.ROOT / "scenes" / "exact").glob("*.toml"))
+    _writable(out)
+    begin = time.perf_counter()
+    found = verification.run_verification(scenes, out, reuse, MPI.COMM_WORLD, Progress(MPI.COMM_WORLD))
+    if MPI.COMM_WORLD.rank == 0:
+        _out(f"report: {render_verification(out, found, time.perf_counter() - begin)}")
+    MPI.COMM_WORLD.barrier()
+    sys.exit(STOPPED if found.stopped else 0)
 
 
 @main.command("closed-form")

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from meshes.user_mesh import read_user_mesh
-from studies.exact_scene import ExactScene, MeshGeometry, TubeGeometry
+from studies.exact_geometry import CylinderGeometry, MeshGeometry, TubeGeometry
+from studies.exact_scene import ExactScene
 from studies.plan import Rung
 from studies.sections import SceneError
 
@@ -15,6 +16,8 @@ from studies.sections import SceneError
 MERIDIAN_LEVELS = ("r1", "r2", "r4")
 AROUND_LEVELS = {"hexahedra": ("n8", "n16"), "tetrahedra": ("n12", "n16")}
 RING_LEVELS, BLOCK_LEVELS, USER_LEVELS = ("r1", "r2"), ("n2", "n3"), ("m1",)
+COOK_LEVELS = ("n8", "n16", "n32")
+CYLINDER_LEVELS = {"hexahedra": ("n8", "n12", "n16"), "tetrahedra": ("n8", "n12", "n16")}
 NOT_COMPUTED = "a closed form is no model here: the exact answer stands beside every value, in rows.csv"
 
 
@@ -44,7 +47,8 @@ def cells_of(scene: ExactScene, rung: str) -> str:
     """``hexahedra`` or ``tetrahedra``; on a meridian quadrilaterals or triangles go by the same names."""
     if scene.mesh.element != "auto":
         return "hexahedra" if scene.mesh.element == "hex" else "tetrahedra"
-    return "tetrahedra" if rung == "full3d" and scene.geometry.kind in ("tube", "sphere") else "hexahedra"
+    round_bodies = ("tube", "sphere", "ventricle")
+    return "tetrahedra" if rung == "full3d" and scene.geometry.kind in round_bodies else "hexahedra"
 
 
 def make_exact_plan(scene: ExactScene, rung: Rung | None = None) -> ExactPlan:
@@ -81,15 +85,21 @@ def make_exact_plan(scene: ExactScene, rung: Rung | None = None) -> ExactPlan:
         skipped.append("modes that break the symmetry: a sector's count of unstable modes cannot see them")
     if kind == "sphere":
         skipped.append("the lower half: the equator's plane is one of symmetry")
+    if kind == "cook":
+        skipped.append("the third dimension: a slice of one cell, its faces held in their planes (plane strain)")
+    if isinstance(scene.geometry, CylinderGeometry):
+        skipped.append("the axisymmetric model: it has no displacement round the axis")
     if kind == "ring":
         skipped.append("the third dimension: a slice of one cell, its faces held in their planes (plane strain)")
     if isinstance(scene.geometry, TubeGeometry) and scene.geometry.ends == "capped":
         skipped.append("the cap: a level plate on a stiff layer that moves the bore by 1e-5 of it, which ± leaves out")
     levels: tuple[str, ...]
-    if kind in ("tube", "sphere"):
+    if kind == "cylinder":
+        levels = CYLINDER_LEVELS[cells_of(scene, chosen)]
+    elif kind in ("tube", "sphere", "ventricle"):
         levels = MERIDIAN_LEVELS if chosen == "axisymmetric" else AROUND_LEVELS[cells_of(scene, chosen)]
     else:
-        levels = {"ring": RING_LEVELS, "block": BLOCK_LEVELS, "mesh": USER_LEVELS}[kind]
+        levels = {"ring": RING_LEVELS, "block": BLOCK_LEVELS, "cook": COOK_LEVELS, "mesh": USER_LEVELS}[kind]
     if kind == "mesh":
         skipped.append("a second mesh: the discretisation's uncertainty is not known from one")
     stop = rung is None and chosen == "axisymmetric" and len(levels) == 3
@@ -102,11 +112,13 @@ def make_exact_plan(scene: ExactScene, rung: Rung | None = None) -> ExactPlan:
 
 def describe_exact(scene: ExactScene, plan: ExactPlan) -> str:
     """The plan as text for a terminal."""
-    loads = ", ".join(f"{p:g}" for p in scene.loads_kpa)
+    loads = ", ".join(f"{p:g}" for p in scene.loads_kpa) + " kPa"
+    if isinstance(scene.geometry, CylinderGeometry):
+        loads = f"{scene.load.twist_rad_per_mm:g} rad/mm"
     lines = [f"{scene.name}: {scene.title}", f"answer: {plan.rung}, {', '.join(scene.quantities)}"]
     for level in plan.levels:
         maybe = " (only if needed)" if plan.stop_when_met and level == plan.levels[-1] else ""
-        lines.append(f"  {plan.rung.replace('full3d', 'full 3D')} {level}: path from 0 through {loads} kPa{maybe}")
+        lines.append(f"  {plan.rung.replace('full3d', 'full 3D')} {level}: path from 0 through {loads}{maybe}")
     return "\n".join([*lines, *(f"skipped: {reason}" for reason in plan.skipped)])
 
 
@@ -117,4 +129,4 @@ def rungs_of(scene: ExactScene) -> tuple[Rung, ...]:
         return ("axisymmetric",) if read_user_mesh(Path(g.file), g.scale).dimension == 2 else ("full3d",)
     if g.kind == "ring":
         return ("sector",)
-    return ("full3d",) if g.kind == "block" else ("axisymmetric", "sector", "full3d")
+    return ("full3d",) if g.kind in ("block", "cook", "cylinder") else ("axisymmetric", "sector", "full3d")

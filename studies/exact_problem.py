@@ -6,12 +6,20 @@ import dataclasses
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from mpi4py import MPI
 
-from meshes.bodies import block, sphere_meridian, tube_meridian
+from meshes.bodies import (
+    block,
+    cook_membrane,
+    cylinder_meridian,
+    sphere_meridian,
+    tube_meridian,
+    ventricle_meridian,
+)
 from meshes.cells import CellKind
 from meshes.revolve import revolve
 from meshes.solid import FACETS, FloatArray, SolidMesh
@@ -23,8 +31,18 @@ from solvers.problem import SOFT, Problem, Surfaces
 from solvers.rigid import RigidBodies
 from solvers.state import State
 from studies.build import element_of
+from studies.exact_geometry import (
+    BlockGeometry,
+    CookGeometry,
+    CylinderGeometry,
+    MeshGeometry,
+    RingGeometry,
+    SphereGeometry,
+    TubeGeometry,
+    VentricleGeometry,
+)
 from studies.exact_plan import cells_of
-from studies.exact_scene import BlockGeometry, ExactScene, MeshGeometry, RingGeometry, SphereGeometry, TubeGeometry
+from studies.exact_scene import ExactScene
 from studies.levels import fineness
 from studies.scene import inverse_kappa, law_of
 
@@ -34,6 +52,8 @@ LONGEST_ROW = 40
 # Stiffness of the layer between a cap and the tube it glides on, MPa/mm: the thrust of the cap comes to the tube at its
 # inner edge, which must not sink in. With 1e4 the bore was 0.06 % off on the finest mesh, and the more the finer.
 CAP_MPA_PER_MM = 1e6
+# Stiffness of the layer between a twisted cylinder and its plate, MPa/mm: it slips by 1e-7 of its own twist.
+TWIST_MPA_PER_MM = 1e5
 
 
 @dataclass(frozen=True)
@@ -52,6 +72,8 @@ class Body:
         Directions of the displacement's components as columns, (3, 3); None for those of the coordinates.
     capped
         True if a rigid cap rides on the facets named bond.
+    twisted
+        True if these facets are bonded to a plate that is turned.
     """
 
     mesh: SolidMesh
@@ -59,6 +81,7 @@ class Body:
     parts: int = 1
     frame: FloatArray | None = None
     capped: bool = False
+    twisted: bool = False
 
 
 def body_of(scene: ExactScene, rung: str, level: str) -> Body:
@@ -72,6 +95,12 @@ def body_of(scene: ExactScene, rung: str, level: str) -> Body:
         return _ring(g, fine, scene.load_kind == "dead")
     if isinstance(g, BlockGeometry):
         return _block(g, fine)
+    if isinstance(g, CylinderGeometry):
+        return _cylinder(g, fine, cells_of(scene, rung))
+    if isinstance(g, CookGeometry):
+        return _cook(fine)
+    if isinstance(g, VentricleGeometry):
+        return _ventricle(g, rung, fine, cells_of(scene, rung))
     return _user(g)
 
 
@@ -96,6 +125,16 @@ def problem_of(scene: ExactScene, body: Body, comm: MPI.Comm) -> Problem:
             plate=0,
             plate_area_mm2=math.pi * inner**2,
         )
+    if body.twisted:
+        cap = RigidBodies(
+            normal_mpa_per_mm=TWIST_MPA_PER_MM,
+            tangential_mpa_per_mm=TWIST_MPA_PER_MM,
+            grade=np.ones(len(mesh.points)),
+            centres_mm=np.array([float(mesh.points[:, -1].max())]),
+            arm_mm=1.0,
+            plate=0,
+            plate_held=True,
+        )
     law = law_of(scene.material)
     element = element_of(scene.mesh)
     return Problem(domain, law, inverse_kappa(scene.material), body.surfaces, None, cap, element, frame=body.frame)
@@ -103,8 +142,16 @@ def problem_of(scene: ExactScene, body: Body, comm: MPI.Comm) -> Problem:
 
 def measures(scene: ExactScene, mesh: SolidMesh) -> dict[str, Callable[[State], float]]:
     """What is read off a state, by quantity, mm."""
-    if isinstance(scene.geometry, BlockGeometry):
-        return {}  # it stays as it is
+    if isinstance(scene.geometry, BlockGeometry | CylinderGeometry):
+        return {}  # a cube stays as it is; what is known of a cylinder are forces
+    if isinstance(scene.geometry, CookGeometry):
+        return {"corner_mm": lambda state: float(state.displacement_mm[mesh.tip_centre_node, 1])}
+    if isinstance(scene.geometry, VentricleGeometry):
+        on_axis = np.linalg.norm(mesh.points[:, :-1], axis=1) < 1e-9
+        inside = int(np.flatnonzero(on_axis)[mesh.points[on_axis, -1].argmin()])
+        nodes = {"apex_inside_mm": inside, "apex_outside_mm": mesh.tip_centre_node}
+        # in the published frame the apex points down
+        return {name: partial(_depth, mesh.points[node, -1], node) for name, node in nodes.items()}
     if isinstance(scene.geometry, MeshGeometry):
         out: dict[str, Callable[[State], float]] = {"displacement_max_mm": _largest}
         if (mesh.facet_tags == FACETS["tip"]).any():
@@ -120,6 +167,11 @@ def measures(scene: ExactScene, mesh: SolidMesh) -> dict[str, Callable[[State], 
     outwards[~inside] = 0.0
     share = weights / weights.sum()
     return {"bore_mm": lambda state: float(share @ np.sum(state.displacement_mm * outwards, axis=1))}
+
+
+def _depth(start_mm: float, node: int, state: State) -> float:
+    """Position of a node along the axis with the apex pointing down, mm."""
+    return -float(start_mm + state.displacement_mm[node, -1])
 
 
 def _largest(state: State) -> float:
@@ -211,6 +263,39 @@ def _block(g: BlockGeometry, fine: int) -> Body:
     mesh = block((g.edge_mm,) * 3, (fine,) * 3)
     corner = mesh.tip_centre_node
     return Body(mesh, Surfaces(dead=FACETS["outer"], pinned=tuple((corner, i) for i in range(3))))
+
+
+def _cylinder(g: CylinderGeometry, fine: int, cells: str) -> Body:
+    kind: CellKind = "quadrilaterals" if cells == "hexahedra" else "triangles"
+    along = max(1, round(g.length_mm / g.radius_mm * fine / 4))
+    meridian = cylinder_meridian(g.radius_mm, g.length_mm, fine // 2, along, kind)
+    mesh = revolve_hexahedra(meridian, fine) if cells == "hexahedra" else revolve(meridian, fine)
+    on_top = mesh.facet_tags == FACETS["top"]
+    mesh = dataclasses.replace(mesh, facet_bodies=np.where(on_top, 0, -1))
+    # without pressure: the loaded surface only says what residuals are measured by
+    surfaces = Surfaces(external=FACETS["outer"], clamped=FACETS["bottom"], bond=FACETS["top"])
+    return Body(mesh, surfaces, twisted=True)
+
+
+def _cook(fine: int) -> Body:
+    held = ((FACETS["bottom"], 2), (FACETS["top"], 2))
+    return Body(cook_membrane(fine), Surfaces(dead_shear=FACETS["tip"], clamped=FACETS["clamped"], held=held))
+
+
+def _ventricle(g: VentricleGeometry, rung: str, fine: int, cells: str) -> Body:
+    kind: CellKind = "quadrilaterals" if cells == "hexahedra" else "triangles"
+    along, through = (8 * fine, 2 * fine) if rung == "axisymmetric" else (fine, max(2, fine // 8))
+    inner, outer = (g.inner_across_mm, g.inner_along_mm), (g.outer_across_mm, g.outer_along_mm)
+    meridian = ventricle_meridian(inner, outer, g.base_mm, along, through, kind)
+    clamped, cavity = FACETS["clamped"], FACETS["cavity"]
+    if rung == "axisymmetric":
+        return Body(meridian, Surfaces(cavity=cavity, clamped=clamped, held=((FACETS["axis"], 0),)))
+    if rung == "sector":
+        mesh = revolve_hexahedra(meridian, fine // 4, FULL_CIRCLE / 4)
+        held = ((FACETS["start"], 1), (FACETS["end"], 0))
+        return Body(mesh, Surfaces(cavity=cavity, clamped=clamped, held=held), parts=4)
+    mesh = revolve_hexahedra(meridian, fine) if cells == "hexahedra" else revolve(meridian, fine)
+    return Body(mesh, Surfaces(cavity=cavity, clamped=clamped))
 
 
 def _user(g: MeshGeometry) -> Body:

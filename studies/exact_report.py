@@ -32,6 +32,11 @@ _NAMES: Final = {
     "volume_mm3": "enclosed volume, mm³",
     "displacement_max_mm": "largest displacement, mm",
     "tip_mm": "axial displacement of the tip, mm",
+    "torque_nmm": "torque, N mm",
+    "axial_force_n": "axial force, N",
+    "corner_mm": "displacement of the corner, mm",
+    "apex_inside_mm": "position of the apex inside, mm",
+    "apex_outside_mm": "position of the apex outside, mm",
     "unstable_modes": "unstable modes",
     "limit_kpa": "limit point of the pressure, kPa",
     "crossing_kpa": "loss of stability, kPa",
@@ -97,7 +102,9 @@ def _section(folder: Path, scene: ExactScene, report: SceneReport) -> dict[str, 
     place = Path("pictures", f"{tables.anchor_of(report)}.png")
     (folder / "pictures").mkdir(parents=True, exist_ok=True)
     quantity = _plotted(scene)
-    drawn = any(row.quantity == quantity and math.isfinite(row.value) for row in report.rows)
+    drawn = scene.geometry.kind != "cylinder" and any(
+        row.quantity == quantity and math.isfinite(row.value) for row in report.rows
+    )
     if drawn:
         _draw(folder / place, scene, report, quantity)
     return {
@@ -116,10 +123,16 @@ def _section(folder: Path, scene: ExactScene, report: SceneReport) -> dict[str, 
     }
 
 
+def name_of(quantity: str) -> str:
+    """A quantity in words, with its unit."""
+    return _NAMES.get(quantity, quantity)
+
+
 def _plotted(scene: ExactScene) -> str:
     """The quantity that is drawn over the load."""
     kind = scene.geometry.kind
-    return {"mesh": "volume_mm3", "block": "unstable_modes"}.get(kind, "bore_mm")
+    others = {"mesh": "volume_mm3", "block": "unstable_modes", "cook": "corner_mm", "ventricle": "apex_inside_mm"}
+    return {**others, "cylinder": "torque_nmm"}.get(kind, "bore_mm")
 
 
 def _draw(path: Path, scene: ExactScene, report: SceneReport, quantity: str) -> None:
@@ -186,7 +199,7 @@ def _compared(rows: Sequence[Row]) -> Table:
                  f"{row.reference:.6g}" if known else MISSING, _percent(row.error_percent, signed=True),
                  row.source or MISSING)
             )  # fmt: skip
-    header = ("quantity", "load, kPa", "mesh", "value", "exact", "error, %", "exact answer")
+    header = ("quantity", "load, kPa", "mesh", "value", "known", "error, %", "known from")
     return Table(header, tuple(lines), left=(0, 2, 6))
 
 

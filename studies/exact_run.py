@@ -6,9 +6,11 @@ import dataclasses
 import hashlib
 import json
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from mpi4py import MPI
 
 from analytical.materials import SILICONE_DENSITY_G_CM3
@@ -19,14 +21,16 @@ from solvers.linear import Factor
 from solvers.newton import NewtonSettings, solve_equilibrium
 from solvers.output import write_vtu
 from solvers.path import follow_path
+from solvers.prescribed import follow_motion
 from solvers.problem import Problem
 from solvers.records import Path as EquilibriumPath
 from solvers.records import PathMemory, PathPoint, PathSettings, PathState
 from solvers.state import State
 from studies import provenance
+from studies.exact_geometry import CylinderGeometry, MeshGeometry
 from studies.exact_plan import ExactPlan
 from studies.exact_problem import Body, body_of, enclosed_mm3, measures, problem_of
-from studies.exact_scene import ExactScene, MeshGeometry
+from studies.exact_scene import ExactScene
 from studies.progress import Progress
 from studies.results import PathRow, write_text_atomically
 from studies.run_log import Log, Run, begin, field_file, finish, finished_run, path_row, write_collection
@@ -137,7 +141,8 @@ def _solve(
 ) -> ExactRun:
     loads = [1e-3 * p for p in scene.loads_kpa]
     content_hash = exact_hash(scene, plan.rung, level)
-    job = begin(scene.name, plan.rung, level, folder, content_hash, plan.skipped, progress, loads[-1])
+    # a twist has no pressure to measure progress by
+    job = begin(scene.name, plan.rung, level, folder, content_hash, plan.skipped, progress, loads[-1] or 1.0)
     body = body_of(scene, plan.rung, level)
     problem = problem_of(scene, body, comm)
     factor = Factor(problem)
@@ -153,7 +158,7 @@ def _solve(
     settings = PathSettings(control=scene.load.control)
     if looking:
         settings = dataclasses.replace(settings, control="volume", largest_volume=LIMIT_VOLUME)
-    elif scene.geometry.kind == "block":  # its load does no work before the cube gives way
+    elif scene.geometry.kind in ("block", "cook"):  # a load that does no work before the cube gives way, or no volume
         settings = dataclasses.replace(settings, control="pressure")
     memory = log.memory if isinstance(log.memory, PathMemory) else None
     if memory is None and scene.geometry.kind == "block":
@@ -165,10 +170,14 @@ def _solve(
             raise _Found(memory)
 
     targets = [*loads, BEYOND * loads[-1]] if looking else loads
+    forces: dict[str, float] = {}
     try:
-        path = follow_path(
-            problem, factor, targets, settings, progress.iteration, on_state=keep, on_step=after, resume=memory
-        )
+        if isinstance(scene.geometry, CylinderGeometry):
+            path, forces = _twist(scene, scene.geometry, problem, factor, keep)
+        else:
+            path = follow_path(
+                problem, factor, targets, settings, progress.iteration, on_state=keep, on_step=after, resume=memory
+            )
     except _Found as found:
         path = EquilibriumPath((), True, "", found.memory.rejected, Cause.REACHED, found.memory.crossing)
     if looking and path.cause is Cause.TOO_LARGE and sum(row.status == "asked" for row in log.rows) == len(loads):
@@ -176,7 +185,8 @@ def _solve(
     run = finish(log, problem, factor, path, body.mesh, (_silicone_g(body), 0.0))
     answer: ExactRun | None = None
     if comm.rank == 0:
-        answer = ExactRun(run, _measured(scene, body.mesh, folder, run))
+        measured = _measured(scene, body.mesh, folder, run)
+        answer = ExactRun(run, {p: {**values, **forces} for p, values in measured.items()})
         entries = [{"pressure_kpa": p, **values} for p, values in answer.measured.items()]
         write_text_atomically(folder / MEASURED_FILE, json.dumps(entries, indent=1) + "\n")
         if scene.ask.fields and plan.rung != "axisymmetric":
@@ -184,6 +194,21 @@ def _solve(
     answer = comm.bcast(answer)
     assert answer is not None
     return answer
+
+
+def _twist(
+    scene: ExactScene, g: CylinderGeometry, problem: Problem, factor: Factor, keep: Callable[[PathState], None]
+) -> tuple[EquilibriumPath, dict[str, float]]:
+    """The path of a twisted cylinder, and torque and axial force at its end: derivatives of the energy by the plate."""
+    bonded = problem.bonded
+    assert bonded is not None and scene.load.twist_rad_per_mm is not None
+    motion = np.zeros((1, bonded.modes))
+    motion[0, 5] = scene.load.twist_rad_per_mm * g.length_mm * bonded.arm_mm
+    path = follow_motion(problem, factor, motion, NewtonSettings(), keep)
+    if not path.reached:
+        return path, {}
+    force = bonded.forces()
+    return path, {"torque_nmm": float(force[5] * bonded.arm_mm), "axial_force_n": float(force[2])}
 
 
 def _row(scene: ExactScene, body: Body, item: PathState) -> PathRow:

@@ -7,6 +7,9 @@ tube          cavity pressure                                    the bore (ends 
 sphere        cavity pressure                                    the bore, and the limit point if there is one
 ring          pressure from outside, follower or dead            the bore while round, and where it buckles
 block         the same dead tension on all faces                 the tension at which the cube gives way
+cylinder      twist of one end at constant length                torque and axial force
+cook          dead shear traction on the right edge              published or refined: the corner's displacement
+ventricle     cavity pressure                                    published: position of the apex
 mesh          cavity pressure                                    nothing
 ============  =================================================  ==========================================
 """
@@ -22,7 +25,19 @@ from pydantic import Field, model_validator
 from meshes.errors import MeshError
 from meshes.solid import FACETS
 from meshes.user_mesh import read_user_mesh
+from studies.exact_geometry import (
+    BlockGeometry,
+    CookGeometry,
+    CylinderGeometry,
+    Geometry,
+    MeshGeometry,
+    RingGeometry,
+    SphereGeometry,
+    TubeGeometry,
+    VentricleGeometry,
+)
 from studies.scene import (
+    GuccioneMaterial,
     Mesh,
     NeoHookeMaterial,
     OgdenMaterial,
@@ -33,69 +48,45 @@ from studies.scene import (
     load_scene,
     material_faults,
 )
-from studies.sections import Length, SceneError, Section, read_toml, validated
+from studies.sections import SceneError, Section, read_toml, validated
 
 Load_kPa = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-Quantity = Literal["bore_mm", "limit_kpa", "crossing_kpa", "volume_mm3", "displacement_max_mm", "tip_mm"]
+Quantity = Literal[
+    "bore_mm",
+    "limit_kpa",
+    "crossing_kpa",
+    "volume_mm3",
+    "displacement_max_mm",
+    "tip_mm",
+    "torque_nmm",
+    "axial_force_n",
+    "corner_mm",
+    "apex_inside_mm",
+    "apex_outside_mm",
+]
 
 
-class TubeGeometry(Section):
-    """A tube; ``plane-strain`` keeps its length, ``bonded`` also the radius at its ends, ``capped`` closes one."""
-
-    kind: Literal["tube"]
-    inner_radius_mm: Length
-    outer_radius_mm: Length
-    length_mm: Length
-    ends: Literal["plane-strain", "bonded", "capped"] = "plane-strain"
-
-
-class SphereGeometry(Section):
-    """A hollow sphere; its upper half is meshed."""
-
-    kind: Literal["sphere"]
-    inner_radius_mm: Length
-    outer_radius_mm: Length
-
-
-class RingGeometry(Section):
-    """A ring in plane strain; the sector of half a wave is meshed, which admits ``waves``, twice as many, and so on."""
-
-    kind: Literal["ring"]
-    inner_radius_mm: Length
-    outer_radius_mm: Length
-    waves: Literal[2, 3]
-
-
-class BlockGeometry(Section):
-    """A cube."""
-
-    kind: Literal["block"]
-    edge_mm: Length = 10.0
-
-
-class MeshGeometry(Section):
-    """A user's gmsh file beside the scene; ``scale`` makes its lengths mm (1000 for metres)."""
-
-    kind: Literal["mesh"]
-    file: Annotated[str, Field(min_length=1)]
-    scale: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] = 1.0
+LOAD_LISTS = ("pressure_kpa", "tension_kpa", "traction_kpa")
 
 
 class ExactLoad(Section):
     """Load at which results are asked, kPa, ascending.
 
     ``kind``: ``cavity``, a pressure from inside; ``external``, one from outside, both following the surface; ``dead``,
-    fixed in size per undeformed area and in direction: a pressure from outside on a ring, a tension on a block.
+    fixed in size per undeformed area and in direction: a pressure from outside on a ring, a tension on a block, a shear
+    traction on Cook's membrane. A cylinder is twisted by so much per undeformed length, without pressure.
     """
 
     kind: Literal["cavity", "external", "dead"] | None = None
     pressure_kpa: Annotated[list[Load_kPa], Field(min_length=1)] | None = None
     tension_kpa: Annotated[list[Load_kPa], Field(min_length=1)] | None = None
+    traction_kpa: Annotated[list[Load_kPa], Field(min_length=1)] | None = None
+    twist_rad_per_mm: Annotated[float, Field(ge=-1.0, le=1.0)] | None = None
     control: Literal["auto", "pressure", "volume", "arc"] = "auto"
 
     @model_validator(mode="after")
     def _ascending(self) -> ExactLoad:
-        for name in ("pressure_kpa", "tension_kpa"):
+        for name in LOAD_LISTS:
             values = getattr(self, name) or []
             if any(b <= a for a, b in zip(values[:-1], values[1:], strict=True)):
                 raise ValueError(f"load.{name} = {values}: must ascend strictly")
@@ -110,7 +101,6 @@ class ExactAsk(Section):
     fields: bool = False
 
 
-Geometry = TubeGeometry | SphereGeometry | RingGeometry | BlockGeometry | MeshGeometry
 KINDS = tuple(get_args(g.model_fields["kind"].annotation)[0] for g in get_args(Geometry))
 # What may be asked of a kind, the first unless something else is asked; and how it may be loaded, the first if unsaid.
 QUANTITIES: dict[str, tuple[Quantity, ...]] = {
@@ -118,6 +108,9 @@ QUANTITIES: dict[str, tuple[Quantity, ...]] = {
     "sphere": ("bore_mm", "limit_kpa"),
     "ring": ("crossing_kpa", "bore_mm"),
     "block": ("crossing_kpa",),
+    "cylinder": ("torque_nmm", "axial_force_n"),
+    "cook": ("corner_mm",),
+    "ventricle": ("apex_inside_mm", "apex_outside_mm"),
     "mesh": ("volume_mm3", "displacement_max_mm", "tip_mm"),
 }
 LOADS = {
@@ -125,6 +118,9 @@ LOADS = {
     "sphere": ("cavity",),
     "ring": ("external", "dead"),
     "block": ("dead",),
+    "cylinder": (),
+    "cook": ("dead",),
+    "ventricle": ("cavity",),
     "mesh": ("cavity",),
 }
 
@@ -135,24 +131,27 @@ class ExactScene(Section):
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$")]
     geometry: Annotated[Geometry, Field(discriminator="kind")]
     mesh: Mesh = Mesh()
-    material: Annotated[YeohMaterial | OgdenMaterial | NeoHookeMaterial, Field(discriminator="law")]
+    material: Annotated[YeohMaterial | OgdenMaterial | NeoHookeMaterial | GuccioneMaterial, Field(discriminator="law")]
     load: ExactLoad
     ask: ExactAsk = ExactAsk()
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
         """What is asked."""
-        return tuple(self.ask.quantities or QUANTITIES[self.geometry.kind][:1])
+        usual = QUANTITIES[self.geometry.kind]
+        return tuple(self.ask.quantities or (usual if self.geometry.kind in ("cylinder", "ventricle") else usual[:1]))
 
     @property
     def load_kind(self) -> str:
         """How it is loaded."""
-        return self.load.kind or LOADS[self.geometry.kind][0]
+        return self.load.kind or next(iter(LOADS[self.geometry.kind]), "twist")
 
     @property
     def loads_kpa(self) -> tuple[float, ...]:
-        """Asked pressures or tensions, kPa."""
-        return tuple(self.load.pressure_kpa or self.load.tension_kpa or ())
+        """Asked pressures, tensions or tractions, kPa; 0 where a twist takes their place."""
+        if self.geometry.kind == "cylinder":
+            return (0.0,)
+        return tuple(self.load.pressure_kpa or self.load.tension_kpa or self.load.traction_kpa or ())
 
     @property
     def title(self) -> str:
@@ -205,6 +204,13 @@ def _body(scene: ExactScene) -> str:
         return f"cube of {g.edge_mm:g} mm under dead tension"
     if isinstance(g, MeshGeometry):
         return f"mesh {Path(g.file).name}"
+    if isinstance(g, CylinderGeometry):
+        return f"cylinder of radius {g.radius_mm:g} mm twisted by {scene.load.twist_rad_per_mm:g} rad/mm"
+    if isinstance(g, CookGeometry):
+        return "Cook's membrane in plane strain"
+    if isinstance(g, VentricleGeometry):
+        inner, outer = (g.inner_across_mm, g.inner_along_mm), (g.outer_across_mm, g.outer_along_mm)
+        return f"ventricle, semi-axes {inner[0]:g}, {inner[1]:g} / {outer[0]:g}, {outer[1]:g} mm"
     radii = f"{g.inner_radius_mm:g} / {g.outer_radius_mm:g} mm"
     if isinstance(g, TubeGeometry):
         return f"tube {radii}, {g.length_mm:g} mm long, {g.ends} ends"
@@ -217,7 +223,7 @@ def _body(scene: ExactScene) -> str:
 def _faults(scene: ExactScene) -> list[str]:
     """What the types cannot see."""
     g, load, faults = scene.geometry, scene.load, []
-    if not isinstance(g, BlockGeometry | MeshGeometry) and g.inner_radius_mm >= g.outer_radius_mm:
+    if isinstance(g, TubeGeometry | SphereGeometry | RingGeometry) and g.inner_radius_mm >= g.outer_radius_mm:
         faults.append(
             f"geometry.inner_radius_mm = {g.inner_radius_mm:g}: must be less than outer_radius_mm = "
             f"{g.outer_radius_mm:g}"
@@ -226,18 +232,23 @@ def _faults(scene: ExactScene) -> list[str]:
         faults.append(f"load.kind = {load.kind!r}: allowed for a {g.kind}: {_listed(LOADS[g.kind])}")
     if g.kind == "ring" and load.kind is None:
         faults.append(f"load.kind: missing; allowed for a ring: {_listed(LOADS['ring'])}")
-    right, wrong = ("tension_kpa", "pressure_kpa") if g.kind == "block" else ("pressure_kpa", "tension_kpa")
-    if getattr(load, wrong) is not None:
-        faults.append(f"load.{wrong} = {getattr(load, wrong)}: a {g.kind} is loaded by load.{right}")
+    if isinstance(g, VentricleGeometry):
+        faults += _ventricle_faults(g)
+    right = {"block": "tension_kpa", "cook": "traction_kpa", "cylinder": "twist_rad_per_mm"}.get(g.kind, "pressure_kpa")
+    for wrong in (*LOAD_LISTS, "twist_rad_per_mm"):
+        if wrong != right and getattr(load, wrong) is not None:
+            faults.append(f"load.{wrong} = {getattr(load, wrong)}: a {g.kind} is loaded by load.{right}")
     if getattr(load, right) is None:
         faults.append(f"load.{right}: missing, and has no default")
     for quantity in scene.quantities:
         if quantity not in QUANTITIES[g.kind]:
             faults.append(f"ask.quantities = {quantity!r}: allowed for a {g.kind}: {_listed(QUANTITIES[g.kind])}")
-    if g.kind in ("ring", "block") and scene.mesh.element.startswith("tet"):
+    if g.kind in ("ring", "block", "cook") and scene.mesh.element.startswith("tet"):
         faults.append(f'mesh.element = "{scene.mesh.element}": a {g.kind} is meshed in hexahedra: "hex" or "auto"')
     if g.kind == "mesh" and scene.mesh.element != "auto":
         faults.append(f'mesh.element = "{scene.mesh.element}": a user\'s mesh has the cells it has: "auto"')
+    if scene.mesh.solver == "iterative":
+        faults.append(f'mesh.solver = "iterative": a {g.kind} is small and factorised: "direct" or "auto"')
     faults += element_faults(scene.mesh, scene.material.kappa_over_mu)
     if isinstance(g, MeshGeometry):
         try:
@@ -249,6 +260,17 @@ def _faults(scene: ExactScene) -> list[str]:
             faults.append(f"geometry.file: {error}")
     highest = scene.loads_kpa[-1] if scene.loads_kpa else 0.0
     return faults + material_faults(scene.material, highest, f"load.{right}")
+
+
+def _ventricle_faults(g: VentricleGeometry) -> list[str]:
+    faults = []
+    for which in ("across", "along"):
+        inner, outer = getattr(g, f"inner_{which}_mm"), getattr(g, f"outer_{which}_mm")
+        if inner >= outer:
+            faults.append(f"geometry.inner_{which}_mm = {inner:g}: must be less than outer_{which}_mm = {outer:g}")
+    if g.base_mm >= g.inner_along_mm:
+        faults.append(f"geometry.base_mm = {g.base_mm:g}: must be less than inner_along_mm = {g.inner_along_mm:g}")
+    return faults
 
 
 def has_surface(tags: Any, name: str) -> bool:

@@ -10,10 +10,11 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from studies.exact_answers import exact_bore_mm, exact_crossing_kpa
+from studies.exact_answers import exact_crossing_kpa, known_value
+from studies.exact_geometry import TubeGeometry
 from studies.exact_plan import ExactPlan, make_exact_plan, rungs_of
 from studies.exact_run import LIMIT_VOLUME, ExactRun, run_exact
-from studies.exact_scene import ExactScene, TubeGeometry
+from studies.exact_scene import ExactScene
 from studies.levels import fineness
 from studies.progress import Progress
 from studies.results import PATH_FILE, SUMMARY_FILE
@@ -24,6 +25,7 @@ from studies.uncertainty import UNKNOWN, Convergence, convergence, from_two
 # Order to expect: quadratic displacements have an error of the third; where an end is held the wall has corners, and
 # three levels of a bonded tube show an order of 1.3.
 ORDER, CORNER_ORDER = 3.0, 1.0
+UNITS = {"volume_mm3": "mm3", "torque_nmm": "N mm", "axial_force_n": "N"}
 # What is read off whole paths, not at single loads; all in kPa.
 OF_PATHS = ("limit_kpa", "crossing_kpa")
 
@@ -121,13 +123,13 @@ def _rows_at(scene: ExactScene, runs: Sequence[ExactRun], load: float) -> list[R
     measured = dict.fromkeys(name for run in runs for values in run.measured.values() for name in values)
     wanted = [q for q in scene.quantities if q not in OF_PATHS]
     for quantity in [*wanted, *(name for name in measured if name not in wanted)]:
-        reference, source = exact_bore_mm(scene, load) if quantity == "bore_mm" else (math.nan, "")
+        reference, source = known_value(scene, quantity, load)
         found = [_at(run, load, quantity) for run in runs]
         spread = _convergence(scene, runs, found)
         for run, value in zip(runs, found, strict=True):
             summary = run.run.summary
             rows.append(
-                row(scene.name, quantity, "mm3" if quantity == "volume_mm3" else "mm", load, summary.rung, value,
+                row(scene.name, quantity, UNITS.get(quantity, "mm"), load, summary.rung, value,
                     summary.level, spread.uncertainty(value), reference, source, _status(run, value))
             )  # fmt: skip
     for entry in runs[-1].run.path:
@@ -185,7 +187,8 @@ def _status(run: ExactRun, value: float) -> str:
 def _convergence(scene: ExactScene, runs: Sequence[ExactRun], values: Sequence[float]) -> Convergence:
     """Convergence over the finest levels that have a value."""
     g = scene.geometry
-    order = CORNER_ORDER if isinstance(g, TubeGeometry) and g.ends == "bonded" else ORDER
+    corners = g.kind in ("cook", "ventricle") or (isinstance(g, TubeGeometry) and g.ends == "bonded")
+    order = CORNER_ORDER if corners else ORDER
     pairs = [(1.0 / fineness(run.run.summary.level), v) for run, v in zip(runs, values, strict=True)]
     known = [pair for pair in pairs if not math.isnan(pair[1])][-3:]
     sizes, found = [h for h, _ in known], [v for _, v in known]

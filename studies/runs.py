@@ -22,7 +22,8 @@ from mpi4py import MPI
 from analytical.bellows_loads import held_tip
 from analytical.chains import closed_form
 from meshes.solid import SolidMesh
-from solvers.errors import SolverError
+from solvers.errors import Cause, SolverError
+from solvers.iterative import IterativeSolver
 from solvers.linear import Factor
 from solvers.output import write_vtu
 from solvers.path import follow_guesses, follow_path
@@ -45,6 +46,12 @@ from studies.results import (
 from studies.run_log import Job, Log, Run, begin, field_file, finish, finished_run, path_row, stamp, write_collection
 from studies.scene import Scene, core_shift_mm, dimensions_of, law_of, without_eccentricity
 from studies.states import load_state, save_state
+
+# Beside states that were solved iteratively.
+NOT_COUNTED = (
+    "unstable modes of this body: an iterative solve has no inertia; the axisymmetric run has those that keep the "
+    "symmetry, a coarser body that is factorised the others"
+)
 
 
 def run_hash(scene: Scene, rung: str, level: str) -> str:
@@ -258,7 +265,8 @@ def run_body(
     meshed = time.perf_counter() - job.begin
     problem = scene_problem(scene, body if comm.rank == 0 else None, comm)
     problem.timer.seconds["mesh"] = meshed
-    factor = Factor(problem)
+    iterative = rung == "full3d" and scene.mesh.solver == "iterative"
+    factor = IterativeSolver(problem) if iterative else Factor(problem)
     tip, parts = Tip(scene, body), SECTORS[rung]
     log = Log(
         job,
@@ -277,16 +285,26 @@ def run_body(
                 if scene.ask.fields:
                     write_vtu(field_file(folder, item.state.load_mpa), body, item.state)
 
-    path = follow_guesses(
-        problem,
-        factor,
-        guesses,
-        PathSettings(),
-        progress.iteration,
-        on_state=keep,
-        on_step=lambda memory: log.step(memory, factor),
-        resume=log.memory if isinstance(log.memory, GuessMemory) else None,
-    )
+    last = log.memory if isinstance(log.memory, GuessMemory) else None
+
+    def after(memory: GuessMemory) -> None:
+        nonlocal last
+        last = memory
+        log.step(memory, factor)
+
+    def follow() -> EquilibriumPath:
+        return follow_guesses(
+            problem, factor, guesses, PathSettings(), progress.iteration, on_state=keep, on_step=after, resume=last
+        )
+
+    path = follow()
+    if path.cause is Cause.OUT_OF_MEMORY and rung == "full3d" and scene.mesh.solver == "auto":
+        log.notes.append(f"{path.reason}: solved iteratively from there")
+        factor.close()
+        factor, iterative = IterativeSolver(problem), True
+        path = follow()
+    if iterative:
+        log.notes.append(NOT_COUNTED)
     if path.reached and len(guesses) < len(scene.pressures_mpa):
         path = dataclasses.replace(path, reached=False, reason="the axisymmetric path stopped here")
     return _finish(scene, log, problem, factor, path, meridian)

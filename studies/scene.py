@@ -16,6 +16,7 @@ from analytical.bellows import BellowsDimensions
 from analytical.materials import (
     PLA,
     POLYETHYLENE,
+    Guccione,
     Law,
     MaterialError,
     NeoHooke,
@@ -31,6 +32,8 @@ from studies.sections import Length, Modulus, Section, Stiffness, read_toml, val
 
 # Stretches up to this must be stable for a law to be accepted; the reference actuators stay below it to 20 kPa.
 STABLE_STRETCH = 4.0
+# The exponential law softens in uniaxial extension beyond a stretch of 2, where the Green strain across passes -1/4.
+GUCCIONE_STABLE_STRETCH = 1.99
 # A bond meant as rigid is a layer this stiff, MPa/mm: its slip is at most 0.003 mm at 20 kPa, and tips are within
 # 0.005 % of those with meshed PLA rings, which share their nodes with the wall (make study-paper; docs/decisions.md).
 RIGID_BOND_MPA_PER_MM = 3000.0
@@ -80,9 +83,13 @@ class Mesh(Section):
 
     ``auto`` takes hexahedra unless the rings are meshed. ``tet-p0`` has one pressure per cell, like ANSYS's SOLID187
     with constant pressure; ``tet-p1`` has linear displacements and no pressure, and locks: the control to compare with.
+
+    ``solver`` is for whole bodies in 3D: ``direct`` factorises; ``iterative`` needs less memory, takes longer and
+    counts no unstable modes; ``auto`` goes over to it where the memory does not hold the factors.
     """
 
     element: Literal["auto", "hex", "tet", "tet-p0", "tet-p1"] = "auto"
+    solver: Literal["auto", "direct", "iterative"] = "auto"
 
 
 class YeohMaterial(Section):
@@ -109,6 +116,18 @@ class NeoHookeMaterial(Section):
     law: Literal["neo-hooke"]
     mu_kpa: Modulus
     kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
+
+
+class GuccioneMaterial(Section):
+    """W = C/2 (exp(b E:E) - 1), isotropic; initial shear modulus b C / 2."""
+
+    law: Literal["guccione"]
+    c_kpa: Modulus
+    b: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0
+    kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
+
+
+AnyMaterial = YeohMaterial | OgdenMaterial | NeoHookeMaterial | GuccioneMaterial
 
 
 class Load(Section):
@@ -192,26 +211,30 @@ def core_shift_mm(scene: Scene) -> float:
     return scene.geometry.eccentricity * scene.geometry.wall_mm
 
 
-def describe_material(material: YeohMaterial | OgdenMaterial | NeoHookeMaterial) -> str:
+def describe_material(material: AnyMaterial) -> str:
     """The law, its numbers and the initial shear modulus."""
     mu = f"initial shear modulus {1e3 * law_of(material).initial_shear_modulus_mpa:.4g} kPa"
     if isinstance(material, YeohMaterial):
         return f"Yeoh C = {', '.join(f'{c:g}' for c in material.c_kpa)} kPa ({mu})"
     if isinstance(material, OgdenMaterial):
         return f"Ogden mu = {material.mu_kpa:g} kPa, alpha = {material.alpha:g}, {material.convention} ({mu})"
+    if isinstance(material, GuccioneMaterial):
+        return f"Guccione C = {material.c_kpa:g} kPa, b = {material.b:g} ({mu})"
     return f"neo-Hooke ({mu})"
 
 
-def law_of(material: YeohMaterial | OgdenMaterial | NeoHookeMaterial) -> Law:
+def law_of(material: AnyMaterial) -> Law:
     """The material law in MPa."""
     if isinstance(material, YeohMaterial):
         return Yeoh(tuple(1e-3 * c for c in material.c_kpa))
     if isinstance(material, OgdenMaterial):
         return Ogden(1e-3 * material.mu_kpa, material.alpha, material.convention)
+    if isinstance(material, GuccioneMaterial):
+        return Guccione(1e-3 * material.c_kpa, material.b)
     return NeoHooke(1e-3 * material.mu_kpa)
 
 
-def inverse_kappa(material: YeohMaterial | OgdenMaterial | NeoHookeMaterial) -> float:
+def inverse_kappa(material: AnyMaterial) -> float:
     """1/kappa in 1/MPa; 0 when incompressible."""
     return 1.0 / (material.kappa_over_mu * law_of(material).initial_shear_modulus_mpa)
 
@@ -310,7 +333,9 @@ def _faults(scene: Scene) -> list[str]:
 
 
 def element_faults(mesh: Mesh, kappa_over_mu: float) -> list[str]:
-    """What is wrong with an element for a material."""
+    """What is wrong with an element for a material or with a solver for an element."""
+    if mesh.solver == "iterative" and mesh.element == "tet-p1":
+        return ['mesh.solver = "iterative" with mesh.element = "tet-p1": it is made for quadratic elements']
     if mesh.element != "tet-p1" or math.isfinite(kappa_over_mu):
         return []
     return [
@@ -341,14 +366,12 @@ def _core_faults(scene: Scene) -> list[str]:
     return faults
 
 
-def material_faults(
-    material: YeohMaterial | OgdenMaterial | NeoHookeMaterial, highest_kpa: float, key: str
-) -> list[str]:
+def material_faults(material: AnyMaterial, highest_kpa: float, key: str) -> list[str]:
     """What is wrong with a law, or with a highest load beside it that suggests another unit."""
     faults = []
     try:
         law = law_of(material)
-        check_stability(law, STABLE_STRETCH)
+        check_stability(law, GUCCIONE_STABLE_STRETCH if isinstance(law, Guccione) else STABLE_STRETCH)
         modulus = 1e3 * law.initial_shear_modulus_mpa
         if highest_kpa > 10.0 * modulus:
             faults.append(

@@ -1,0 +1,119 @@
+"""The iterative solver: the direct one's answers on one and two ranks, named failures, no count of modes."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solvers.errors import Cause, SolverError, StepFailed
+from solvers.iterative import IterativeSettings, IterativeSolver
+from solvers.newton import NewtonSettings, solve_equilibrium
+from solvers.path import PathSettings, follow_path
+
+SCRIPT = Path(__file__).with_name("iterative_ranks_script.py")
+
+
+def test_newton_with_it_goes_where_newton_with_factors_goes(bellows_problem) -> None:
+    problem, factor = bellows_problem(3).problem, bellows_problem(3).factor
+    solver = IterativeSolver(problem)
+    found = []
+    for linear in (factor, solver):
+        problem.set_state(problem.zero_state())
+        report = solve_equilibrium(problem, linear, NewtonSettings(), pressure_mpa=0.0005)
+        found.append((problem.get_state(), report))
+    (direct, of_direct), (iterative, of_iterative) = found
+    largest = np.abs(direct.displacement_mm).max()
+    assert largest > 0.1
+    # Newton to 1e-8 of the load, which the softest modes magnify
+    assert np.abs(iterative.displacement_mm - direct.displacement_mm).max() < 1e-5 * largest
+    assert np.abs(iterative.bodies_mm - direct.bodies_mm).max() < 1e-5 * largest
+    assert of_iterative.compliance_mm3_per_mpa == pytest.approx(of_direct.compliance_mm3_per_mpa, rel=1e-4)
+    assert of_direct.excess_negatives == 0
+    assert of_iterative.excess_negatives is None
+    assert of_iterative.excess_at_volume is None
+    assert max(solver.iterations) < 250
+    solver.close()
+
+
+def test_rigid_motions_cost_no_force_at_rest(bellows_problem) -> None:
+    problem = bellows_problem(3).problem
+    problem.set_state(problem.zero_state())
+    solver = IterativeSolver(problem)
+    solver.refresh()
+    assert solver.solver is not None
+    block = solver.solver.getPC().getFieldSplitSubKSP()[0].getOperators()[1]
+    vectors = solver._rigid_motions(block).getVecs()
+    assert len(vectors) == 6
+    z = problem.domain.mesh.geometry.x[solver._nodes, 2]
+    # rows of cells that touch the clamped end see a motion that is zero there
+    far = np.concatenate([np.repeat(z > z.min() + 4.0, 3), np.ones(problem.extra, dtype=bool)])
+    assert far.mean() > 0.5
+    size = block.norm()
+    for vector in vectors:
+        force = block.createVecLeft()
+        block.mult(vector, force)
+        assert np.abs(force.array[far]).max() < 1e-12 * size
+    # a motion that is none costs some: rings left behind
+    vector = vectors[2].copy()
+    vector.array[-problem.extra :] = 0.0
+    block.mult(vector, force)
+    assert np.abs(force.array[far]).max() > 1e-6 * size
+    solver.close()
+
+
+def test_too_few_iterations_are_a_failed_step_with_numbers_and_end_a_path(bellows_problem) -> None:
+    problem = bellows_problem(3).problem
+    solver = IterativeSolver(problem, IterativeSettings(max_iterations=3))
+    problem.set_state(problem.zero_state())
+    solver.refresh()
+    load = problem.load_force() * ~problem.constrained_owned
+    with pytest.raises(
+        StepFailed, match="GMRES stopped after 3 iterations with a residual of .* allow more"
+    ) as failure:
+        solver.solve(load, np.zeros(problem.extra))
+    assert failure.value.cause is Cause.LINEAR_SOLVER
+    path = follow_path(problem, solver, [0.005], PathSettings(smallest_step=0.1))
+    assert not path.reached
+    assert path.cause is Cause.LINEAR_SOLVER
+    assert "GMRES stopped after 3 iterations" in path.reason
+    assert not path.states
+    solver.close()
+
+
+def test_meridians_are_refused(bellows_problem) -> None:
+    with pytest.raises(SolverError, match="for whole bodies in 3D"):
+        IterativeSolver(bellows_problem(2).problem)
+
+
+@pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun")
+def test_one_and_two_ranks_agree_with_the_factor(root: Path) -> None:
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
+    environment |= {
+        "OPENBLAS_NUM_THREADS": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+        "OMPI_MCA_rmaps_base_oversubscribe": "1",
+        "OMPI_MCA_hwloc_base_binding_policy": "none",
+        "OMPI_MCA_mpi_yield_when_idle": "1",
+        "PYTHONPATH": str(root),
+    }
+    answers = []
+    for ranks in (1, 2):
+        command = ["mpirun", "-n", str(ranks), sys.executable, str(SCRIPT)]
+        done = subprocess.run(
+            command, cwd=root, env=environment, capture_output=True, text=True, timeout=280, check=False
+        )
+        assert done.returncode == 0, done.stderr[-2000:]
+        answers.append(json.loads(done.stdout.splitlines()[-1]))
+    for answer in answers:
+        assert answer["difference"] < 1e-5  # to 1e-6 of the force
+    one, two = answers
+    assert (one["ranks"], two["ranks"]) == (1, 2)
+    assert two["compliance"] == pytest.approx(one["compliance"], rel=1e-5)

@@ -1,0 +1,74 @@
+"""Scenes that ask for the iterative solver, and bodies whose factors do not fit."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+from mpi4py import MPI
+
+from solvers.errors import Cause, StepFailed
+from solvers.linear import Factor
+from studies import runs
+from studies.exact_scene import load_any_scene
+from studies.levels import BodyLevel
+from studies.progress import Progress
+from studies.scene import Scene, load_scene
+from studies.sections import SceneError
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def small(tmp_path) -> Scene:
+    text = (ROOT / "scenes" / "smoke-t2-ri5.toml").read_text(encoding="utf-8")
+    scene = load_scene(_written(tmp_path / "small.toml", text))
+    geometry = scene.geometry.model_copy(update={"convolutions": 1})
+    return scene.model_copy(
+        update={"geometry": geometry, "load": scene.load.model_copy(update={"pressure_kpa": [2.0]})}
+    )
+
+
+def _written(path: Path, text: str) -> Path:
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_where_factors_do_not_fit_the_body_is_solved_iteratively(small, tmp_path, monkeypatch) -> None:
+    comm, progress = MPI.COMM_SELF, Progress(MPI.COMM_SELF)
+    runs.run_axisymmetric(small, 1, tmp_path / "flat", comm, progress)
+    level = BodyLevel(6)
+
+    def body(name: str) -> runs.Run:
+        return runs.run_body(small, "full3d", level, tmp_path / "flat", tmp_path / name, comm, progress, ())
+
+    whole = body("direct")
+    monkeypatch.setattr(runs, "Factor", _NoFactor)
+    found = body("auto")
+    assert found.summary.status == "reached"
+    assert found.path[-1].tip_mm == pytest.approx(whole.path[-1].tip_mm, rel=1e-6)
+    assert [row.unstable_modes for row in whole.path] == [0.0]
+    assert math.isnan(found.path[-1].unstable_modes)
+    assert any("solved iteratively from there" in note for note in found.summary.plan)
+    assert runs.NOT_COUNTED in found.summary.plan
+    assert runs.NOT_COUNTED not in whole.summary.plan
+
+
+class _NoFactor(Factor):
+    """A factorisation that no memory holds."""
+
+    def refresh(self) -> None:
+        raise StepFailed("MUMPS failed with INFOG(1) = -13", Cause.OUT_OF_MEMORY)
+
+
+def test_small_bodies_and_linear_elements_are_not_solved_iteratively(tmp_path) -> None:
+    exact = (ROOT / "scenes" / "exact" / "tube.toml").read_text(encoding="utf-8")
+    bellows = (ROOT / "scenes" / "smoke-t2-ri5.toml").read_text(encoding="utf-8")
+    assert "[mesh]" not in bellows
+    for text, said in (
+        (exact.replace("[mesh]\n", '[mesh]\nsolver = "iterative"\n'), "small and factorised"),
+        (bellows + '\n[mesh]\nsolver = "iterative"\nelement = "tet-p1"\n', "made for quadratic elements"),
+    ):
+        with pytest.raises(SceneError, match=said):
+            load_any_scene(_written(tmp_path / "scene.toml", text))
