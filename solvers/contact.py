@@ -40,6 +40,7 @@ class _Part:
     what: str
     gap: FloatArray
     weight: FloatArray
+    counts: np.ndarray  # False where contact fades out
     dofs: IntArray
     gradient: FloatArray
     bend: FloatArray
@@ -134,7 +135,7 @@ class Contact:
         dofs = np.column_stack([on.dofs[near], np.full(len(near), -1 if pair.body is None else self._body(pair.body))])
         gradient = np.einsum("qki,qi->qk", moves, out[near])
         second = np.einsum("qki,qij,qlj->qkl", moves, bend[near], moves)
-        return _Part(pair.what, gap[near], (on.weight * grade)[near], dofs, gradient, second)
+        return _Part(pair.what, gap[near], (on.weight * grade)[near], grade[near] == 1.0, dofs, gradient, second)
 
     def _facing(self, pair: Facing, lines: Sequence[FloatArray]) -> _Part:
         on, curve = self._points[pair.points], self._curves[pair.curve]
@@ -182,7 +183,7 @@ class Contact:
             - gap[:, None, None] * turn[:, :, None] * turn[:, None, :]
         ) / a[:, None, None]
         dofs = np.column_stack([on.dofs[q], self._dofs[pair.curve][near.nodes[keep]].reshape(len(q), 8)])
-        return _Part(pair.what, gap, 0.5 * on.weight[q], dofs, across, second)
+        return _Part(pair.what, gap, 0.5 * on.weight[q], np.ones(len(q), dtype=bool), dofs, across, second)
 
     def _stop(self, pair: Stop, values: FloatArray) -> _Part:
         dofs = np.array([[self._body(pair.lower), self._body(pair.upper)]])
@@ -192,6 +193,7 @@ class Contact:
             pair.what,
             gap[near],
             np.array([pair.area_mm2])[near],
+            np.array([True])[near],
             dofs[near],
             np.array([[-1.0, 1.0]])[near],
             np.zeros((1, 2, 2))[near],
@@ -286,9 +288,10 @@ class Contact:
         for part in self._now():
             pressure = self.settings.pressure(part.gap)[1]
             before = found.get(part.what, PairReport(part.what, np.inf, 0.0, 0))
+            shown = part.gap[part.counts | (pressure > 0.0)]
             found[part.what] = PairReport(
                 part.what,
-                float(min(before.gap_mm, part.gap.min(initial=np.inf))),
+                float(min(before.gap_mm, shown.min(initial=np.inf))),
                 before.force_n + float(part.weight @ pressure),
                 before.places + int((pressure > 0.0).sum()),
             )

@@ -120,7 +120,8 @@ class PairReport:
     what
         Name of the pair.
     gap_mm
-        Smallest gap at Gauss points within reach, negative is penetration; infinite if there is none.
+        Smallest gap at Gauss points within reach, negative is penetration; infinite if there is none. Places where
+        contact fades out count only while they carry.
     force_n
         Sum of contact pressure over the area in contact.
     places

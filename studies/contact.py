@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +33,8 @@ MODELLED = "contact modelled"
 # Of the wall: deepest penetration of an accepted state, where the pressure begins, how far ahead pairs are known, and
 # how deep an iteration may go. The first is what "in contact" means here; the penalty keeps it ten times smaller.
 LIMIT, SMOOTHING, REACH, DEPTH = 0.01, 0.001, 0.2, 0.6
+# Where corners are closer than this part of the wall, the gap is measured at Gauss points too.
+NEAR = 0.25
 # Penalty in initial shear moduli per wall: the pressures that silicone bellows carry are a fraction of the modulus, and
 # make a depth of a thousandth of the wall (make study-contact).
 STIFFNESS = 300.0
@@ -98,6 +100,7 @@ class ContactWatch:
     def __init__(self, scene: Scene, mesh: SolidMesh, problem: Problem, folder: Path) -> None:
         self._scene, self._mesh, self._problem, self._folder = scene, mesh, problem, folder
         self._meter = GapMeter(scene, mesh)
+        self._contact: Contact | None = None
         self._measured: tuple[State, Touch] | None = None
         self._open_kpa = 0.0
         self.possible = scene.contact.model == "auto" and scene.rings.model in ("rigid", "none")
@@ -110,13 +113,25 @@ class ContactWatch:
 
     def switch_on(self) -> None:
         """Make contact part of the problem."""
-        self._problem.contact = scene_contact(self._scene, self._mesh, self._problem)
+        self._problem.contact = self._made()
+
+    def _made(self) -> Contact:
+        if self._contact is None:
+            self._contact = scene_contact(self._scene, self._mesh, self._problem)
+        return self._contact
 
     def measure(self, state: State) -> Touch:
-        """The smallest gap of a state: with contact that of the pairs that touch, else that of the outline."""
-        if self._measured is None or self._measured[0] is not state:
-            self._measured = (state, self._meter.measure(state))
-        return self._measured[1]
+        """The smallest gap of a state: at corners of the outline, and at all Gauss points where it is small there."""
+        if self._measured is not None and self._measured[0] is state:
+            return self._measured[1]
+        touch = self._meter.measure(state)
+        if self.possible and touch.gap.gap_mm < NEAR * self._scene.geometry.wall_mm:
+            self._problem.set_state(state)
+            closest = min(self._made().report(), key=lambda report: report.gap_mm)
+            if self.modelled or closest.gap_mm < touch.gap.gap_mm:
+                touch = Touch(replace(touch.gap, gap_mm=closest.gap_mm), closest.what)
+        self._measured = (state, touch)
+        return touch
 
     def accept(self, item: PathState, notes: list[str]) -> bool:
         """False, and contact is on from now, if the state is the first whose gap has closed."""
@@ -130,7 +145,7 @@ class ContactWatch:
         r, z = touch.gap.at_mm
         notes.append(
             f"{MODELLED} beyond {self._open_kpa:.4g} kPa: {touch.between} touch first between {self._open_kpa:.4g} and "
-            f"{here:.4g} kPa, at r = {r:.2f}, z = {z:.2f} mm"
+            f"{here:.4g} kPa, near r = {r:.2f}, z = {z:.2f} mm"
         )
         self.switch_on()
         return False
