@@ -150,7 +150,7 @@ class Contact:
             usable[2 * np.flatnonzero(line.free) + k] = True
         usable = np.flatnonzero(usable)
         spacing = np.linalg.norm(np.diff(target, axis=0), axis=1).max()
-        radius = max(self.settings.reach_mm, self.settings.depth_mm) + spacing
+        radius = max(self.settings.reach_mm, self.settings.depth_mm) + 0.5 * spacing
         lists = cKDTree(target[usable]).query_ball_point(x, radius)
         source = np.repeat(np.arange(len(x)), [len(found) for found in lists])
         node = usable[np.concatenate([np.asarray(f, dtype=np.int64) for f in lists])] if len(source) else source

@@ -19,7 +19,7 @@ import numpy as np
 
 from solvers.domain import FloatArray, IntArray
 
-_ITERATIONS = 25
+_ITERATIONS = 12
 # The nearest point is found when the connecting line is square to the curve to this, mm.
 _SQUARE_MM = 1e-10
 # Cubic Hermite basis: rows are powers of the parameter, columns value and slope at both ends.
@@ -119,7 +119,7 @@ class Curve:
             stiff = l2 - np.einsum("ni,ni->n", v, c2)
             step = fall / np.where(stiff > 0.3 * l2, stiff, l2)
             new = np.clip(at + np.clip(step, -0.7, 0.7), 0.0, self.count - 1.0)
-            if np.abs(new - at).max(initial=0.0) < 1e-15 * self.count:
+            if np.abs(new - at).max(initial=0.0) < 1e-11:
                 break
             at = new
         length = np.sqrt(l2)

@@ -245,6 +245,8 @@ def _closed_form_value(
         return float(held_tip(dimensions, law, pressure_kpa).tip_force_n[0]), REACHED
     if scene.load.tip_force_n:
         raise BellowsError("it has no force on its tip")
+    if scene.load.sense < 0.0:
+        raise BellowsError("it has no vacuum")
     return _elongation(chain, dimensions, law, pressure_kpa)
 
 
@@ -282,6 +284,8 @@ def validity_notes(scene: Scene) -> list[str]:
         )
     if scene.load.tip_force_n:
         return ["The closed form has no force on its tip."]
+    if scene.load.sense < 0.0:
+        return ["The closed form has no vacuum."]
     answer = closed_form(dimensions, law, np.array(scene.load.pressure_kpa))
     unfolding_kpa = float(answer.unfolding_pressure_kpa[0])
     if unfolding_kpa <= scene.load.pressure_kpa[-1]:
