@@ -169,7 +169,7 @@ class Contact:
             & np.isin(near.nodes[:, 2], usable)
         )
         q = source[keep]
-        n, tau, length, k, a = (v[keep] for v in (near.normal, near.along, near.l, near.k, near.a))
+        n, tau, length, bend, a = (v[keep] for v in (near.normal, near.along, near.l, near.k, near.a))
         weights = np.column_stack([on.shape[q], -near.weight[keep]])
         slopes = np.column_stack([np.zeros((len(q), 3)), -near.slope[keep]])
         across, along, turn = (
@@ -178,7 +178,7 @@ class Contact:
         gap = near.gap[keep]
         mixed = along[:, :, None] * turn[:, None, :]
         second = (
-            -k[:, None, None] * along[:, :, None] * along[:, None, :]
+            -bend[:, None, None] * along[:, :, None] * along[:, None, :]
             + length[:, None, None] * (mixed + mixed.transpose(0, 2, 1))
             - gap[:, None, None] * turn[:, :, None] * turn[:, None, :]
         ) / a[:, None, None]
@@ -298,9 +298,8 @@ class Contact:
         return tuple(found.values())
 
 
-
 def _enclosed(points: FloatArray, edges: FloatArray) -> np.ndarray:
-    """Which points (n, 2) lie in an odd number of closed polygons of edges (m, 2, 2): crossings of a ray to the axis."""
+    """Which points (n, 2) lie in an odd number of polygons of edges (m, 2, 2): crossings of a ray to the axis."""
     (r0, z0), (r1, z1) = edges[:, 0].T, edges[:, 1].T
     r, z = points[:, :1], points[:, 1:]
     spans = (z0 > z) != (z1 > z)

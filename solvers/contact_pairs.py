@@ -135,7 +135,15 @@ class PairReport:
 
 
 class LinePoints:
-    """Gauss points of a line."""
+    """Gauss points of a line's free facets.
+
+    Parameters
+    ----------
+    line
+        The line.
+    rest, dofs
+        Undeformed positions, mm, and dofs of its nodes, each of shape (2 m + 1, 2).
+    """
 
     def __init__(self, line: Line, rest: FloatArray, dofs: IntArray) -> None:
         x = 0.5 * (1.0 + _GAUSS)
@@ -153,9 +161,11 @@ class LinePoints:
         self.dofs = dofs[self.places].reshape(len(at), 6)
 
     def now(self, line: FloatArray) -> FloatArray:
+        """Positions, from the line's nodes, shape (n, 2), mm."""
         return np.einsum("qa,qai->qi", self.shape, line[self.places])
 
     def normals(self, line: FloatArray, side: float) -> FloatArray:
+        """Outward unit normals, shape (n, 2)."""
         t = np.einsum("qa,qai->qi", self.slope, line[self.places])
         return side * np.column_stack([-t[:, 1], t[:, 0]]) / np.linalg.norm(t, axis=1)[:, None]
 

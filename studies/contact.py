@@ -38,9 +38,9 @@ NEAR = 0.25
 # Penalty in initial shear moduli per wall: the pressures that silicone bellows carry are a fraction of the modulus, and
 # make a depth of a thousandth of the wall (make study-contact).
 STIFFNESS = 300.0
-# A rigid section needs a normal everywhere: its edge at the seat, which the bonded wall covers, is rounded a little, mm.
+# A rigid section needs a normal everywhere: its edge at the seat, covered by the bonded wall, is rounded a little, mm.
 SEAT_EDGE_MM = 0.05
-# The wall is bonded up to the seat's edge and touches the ring there by construction: contact fades in over this length.
+# The wall is bonded up to the seat's edge and touches the ring there by construction: contact fades in over this.
 FADE_MM = 0.5
 
 

@@ -210,9 +210,7 @@ def stamp(comm: MPI.Comm) -> dict[str, Any]:
     }
 
 
-def path_row(
-    item: PathState, tip_mm: float, tip_centre_mm: float, parts: int = 1, sense: float = 1.0
-) -> PathRow:
+def path_row(item: PathState, tip_mm: float, tip_centre_mm: float, parts: int = 1, sense: float = 1.0) -> PathRow:
     """A row of path.csv; volume, energy and forces are those of the whole, of which a sector is one of ``parts``.
 
     With ``sense`` -1 the load is a vacuum, and what does work on it minus the volume.

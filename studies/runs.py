@@ -63,7 +63,9 @@ def path_settings(scene: Scene) -> PathSettings:
 
 def _begin(scene: Scene, rung: str, level: str, folder: Path, notes: Sequence[str], progress: Progress) -> Job:
     content_hash = run_hash(scene, rung, level)
-    return begin(scene.name, rung, level, folder, content_hash, notes, progress, scene.pressures_mpa[-1], scene.load.sense)
+    return begin(
+        scene.name, rung, level, folder, content_hash, notes, progress, scene.pressures_mpa[-1], scene.load.sense
+    )
 
 
 def run_closed_form(scene: Scene, folder: Path, comm: MPI.Comm) -> Run:

@@ -142,7 +142,7 @@ class Load(Section):
 
 
 class Contact(Section):
-    """Contact of folds, rings and wall, in axisymmetric runs with rigid rings or none; ``auto``: from the first touch."""
+    """Contact of folds, rings and wall, in axisymmetric runs with rigid rings or none; ``auto``: from first touch."""
 
     model: Literal["auto", "off"] = "auto"
 

@@ -81,7 +81,9 @@ def tube_in_tube(strip, sides, make_problem):
     problem = make_problem(mesh, LAW, cavity=sides.cavity, held=((sides.bottom, 1), (sides.top, 1)))
     lines = [line_of(mesh, INNER.outer_radius_mm, -1.0), line_of(mesh, OUTER.inner_radius_mm, 1.0)]
     pairs = [Facing("tubes", 0, 1), Facing("tubes", 1, 0)]
-    return SimpleNamespace(mesh=mesh, problem=problem, contact=Contact(problem, mesh.points, lines, pairs, SETTINGS, boundary_edges(mesh)))
+    return SimpleNamespace(
+        mesh=mesh, problem=problem, contact=Contact(problem, mesh.points, lines, pairs, SETTINGS, boundary_edges(mesh))
+    )
 
 
 def pressed(problem, path):
@@ -246,7 +248,7 @@ def test_derivatives_with_moving_rings(bellows_problem):
     problem, mesh = case.problem, case.mesh
     (_, outside) = outlines(mesh)
     line = Line(outside.nodes, outside.side, np.ones((len(outside.nodes) - 1) // 2, dtype=bool))
-    pairs = [
+    pairs: list[Against | Stop] = [
         Against("ring", 0, RoundedBox(11.0, 13.0, 13.0, 2.3, 0.2, 0.5), 1, np.empty(0)),
         Stop("rings", 0, 1, 0.3, 10.0),
     ]
