@@ -127,6 +127,14 @@ study-cost: check ## run time against error of every model, mesh and way of step
 study-error-model: check ## fit what meshes leave of error and take of time; ten scenes to check it -> results/error-model
 	$(LAUNCH) -m studies.error_fit --out results/error-model
 
+.PHONY: study-contact
+study-contact: check ## contact: exact problems, folds that touch, 1 mm actuators to 80 kPa -> results/contact
+	$(PYTHON) -m studies.contact_study --out results/contact
+
+.PHONY: study-vacuum
+study-vacuum: check ## scenes/vacuum: what bellows contract to, with contact of their folds -> results/vacuum
+	$(PYTHON) -m studies.vacuum_study --out results/vacuum
+
 .PHONY: study-smoke
 study-smoke: check ## two convolutions by every model, in a minute -> results/study-smoke
 	$(LAUNCH) -m studies smoke --out results/study-smoke
