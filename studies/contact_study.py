@@ -13,11 +13,14 @@ from pathlib import Path
 from typing import Literal
 
 import click
+import numpy as np
 from mpi4py import MPI
 
 from studies import provenance
 from studies.contact import CONTACT_FILE, MODELLED, STIFFNESS, read_reports
 from studies.contact_exact import exact_rows
+from studies.levels import fineness
+from studies.measures import find_places, largest_stretches
 from studies.pages import write_page
 from studies.progress import Progress
 from studies.results import PathRow, read_summary
@@ -25,6 +28,7 @@ from studies.rows import REACHED, Row, row, write_rows
 from studies.run_log import CONTACT, Run
 from studies.runs import run_axisymmetric
 from studies.scene import Contact, Scene, load_scene
+from studies.states import load_state
 from studies.tables import Table
 
 SCENES = provenance.ROOT / "scenes"
@@ -95,7 +99,19 @@ def case_rows(case: Case, folder: Path, progress: Progress) -> list[Row]:
         reports = read_reports(run_folder(folder, scene, model, level) / CONTACT_FILE)
         for pressure in case.pressures_kpa:
             rows += _state_rows(scene, run, pressure, name, reports)
+            if case in OPEN:
+                stretch = _largest_stretch(scene, run, run_folder(folder, scene, model, level), pressure)
+                rows.append(row(scene.name, "largest_stretch", "1", pressure, name, stretch, run.summary.level))
     return rows
+
+
+def _largest_stretch(scene: Scene, run: Run, folder: Path, pressure_kpa: float) -> float:
+    """Largest principal stretch but for half a percent of the nodes, those at the seats' edges; NaN if not there."""
+    saved = load_state(folder, run.summary.content_hash, 1e-3 * pressure_kpa)
+    if saved is None:
+        return math.nan
+    places = find_places(scene, fineness(run.summary.level))
+    return float(np.percentile(largest_stretches(places, saved[0].displacement_mm), 99.5))
 
 
 def _state_rows(scene: Scene, run: Run, pressure: float, rung: str, reports: Sequence[dict[str, str]]) -> list[Row]:
@@ -160,7 +176,8 @@ def exact_table(rows: Sequence[Row]) -> Table:
 
 
 def state_table(rows: Sequence[Row], quantity: str) -> Table:
-    """A line per pressure: the quantity by model and level, then gap, contact force and modes of the finest."""
+    """A line per pressure: the quantity by model and level, gap and contact force (or stretch) of the finest, modes."""
+    stretched = any(r.quantity == "largest_stretch" for r in rows)
     value = {(r.rung, r.level, r.pressure_kpa, r.quantity): r.value for r in rows}
     runs = list(dict.fromkeys((r.rung, r.level) for r in rows))
     finest = [run for run in runs if run[0] == "axisymmetric"][-1]
@@ -172,12 +189,14 @@ def state_table(rows: Sequence[Row], quantity: str) -> Table:
 
         lines.append(
             (f"{pressure:g}", *(cell(run, quantity, 5) for run in runs), cell(finest, "min_gap_mm", 2),
-             cell(finest, "contact_force_n", 3), *(cell(run, "unstable_modes") for run in runs))
+             cell(finest, "largest_stretch" if stretched else "contact_force_n", 3),
+             *(cell(run, "unstable_modes") for run in runs))
         )  # fmt: skip
     names = [f"{level}{', no contact' if 'no' in rung else ''}" for rung, level in runs]
     unit = "tip force, N" if quantity == "tip_force_n" else "tip, mm"
     header = (
-        "kPa", *(f"{unit}: {n}" for n in names), f"least gap, mm: {finest[1]}", f"contact force, N: {finest[1]}",
+        "kPa", *(f"{unit}: {n}" for n in names), f"least gap, mm: {finest[1]}",
+        f"largest stretch: {finest[1]}" if stretched else f"contact force, N: {finest[1]}",
         *(f"unstable modes: {n}" for n in names),
     )  # fmt: skip
     return Table(header, tuple(lines), ())
