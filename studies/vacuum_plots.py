@@ -72,10 +72,12 @@ def draw_shapes(path: Path, scene: Scene, run: Run, folder: Path) -> None:
         shown.append((f"{pressure:g} kPa", mesh.points + saved[0].displacement_mm, shifts))
     length = float(mesh.points[:, 1].max())
     radius = shape.seat_radius_mm + scene.rings.height_mm
-    height_in = 8.2 * radius / length * len(shown) * 0.95 + 0.25 * len(shown) + 0.6
+    columns = 1 if length > 4.0 * radius else 2  # short bodies side by side
+    lines = -(-len(shown) // columns)
+    height_in = (8.2 / columns * radius / length * 0.95 + 0.25) * lines + 0.6
     with figure_file(path, 8.2, height_in) as figure:
-        grid = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
-        for axes, (label, points, shifts) in zip(grid, shown, strict=True):
+        grid = figure.subplots(lines, columns, sharex=True, sharey=True, squeeze=False)
+        for axes, (label, points, shifts) in zip(grid.ravel(), shown, strict=False):
             _draw_shape(axes, mesh, points)
             if scene.rings.model == "rigid":
                 for centre in shape.crest_positions_mm + shifts[: len(shape.crest_positions_mm)]:
@@ -94,8 +96,10 @@ def draw_shapes(path: Path, scene: Scene, run: Run, folder: Path) -> None:
             axes.set_aspect("equal")
             axes.set_xlim(-1.0, length + 1.0)
             axes.set_ylim(0.0, radius + 0.5)
+        for axes in grid[:, 0]:
             axes.set_ylabel("r, mm")
-        grid[-1].set_xlabel("z, mm")
+        for axes in grid[-1]:
+            axes.set_xlabel("z, mm")
 
 
 def _draw_shape(axes: Axes, mesh: SolidMesh, points: FloatArray) -> None:
