@@ -74,6 +74,10 @@ def scene_rows(out: Path, scene: Scene, runs: Sequence[Run]) -> list[Row]:
                 entry("unstable_modes", "1", found.unstable_modes),
                 entry("min_det_f", "1", found.min_det_f),
             ]
+        if len(run.path) > 1:
+            work, energy = pressure_work_mj(run), run.path[-1].energy_mj - run.path[0].energy_mj
+            rows.append(row(scene.name, "pressure_work_mj", "mJ", run.path[-1].pressure_kpa, "axisymmetric", work, level,
+                            reference=energy, source="gain of stored energy from the first state"))  # fmt: skip
         crossing = run.summary.crossing
         if crossing:
             name = str(crossing["kind"]).replace(" ", "_")
@@ -81,6 +85,16 @@ def scene_rows(out: Path, scene: Scene, runs: Sequence[Run]) -> list[Row]:
                 row(scene.name, f"{name}_kpa", "kPa", math.nan, "axisymmetric", crossing["pressure_kpa"], level)
             )
     return rows
+
+
+def pressure_work_mj(run: Run) -> float:
+    """Work of the pressure from the first state of a path to its last, by the trapezoidal rule, mJ.
+
+    It is stored whatever touches on the way, up to the rule's error: contact without friction takes none.
+    """
+    pressure = 1e-3 * np.array([entry.pressure_kpa for entry in run.path])
+    volume = np.array([entry.volume_mm3 for entry in run.path])
+    return float(np.sum(0.5 * (pressure[1:] + pressure[:-1]) * np.diff(volume)))
 
 
 def contraction_table(rows: Sequence[Row], scene: Scene) -> Table:
@@ -121,6 +135,12 @@ def _notes(run: Run) -> list[str]:
         )
     if run.summary.reason:
         found.append(f"{name}: {run.summary.reason}")
+    if len(run.path) > 1:
+        gain = run.path[-1].energy_mj - run.path[0].energy_mj
+        found.append(
+            f"{name}: {len(run.path)} states, {run.summary.factorisations} factorisations; work of the pressure by the "
+            f"trapezoidal rule {pressure_work_mj(run):.4g} mJ, gain of stored energy {gain:.4g} mJ"
+        )
     return found
 
 
