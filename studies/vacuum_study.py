@@ -76,8 +76,9 @@ def scene_rows(out: Path, scene: Scene, runs: Sequence[Run]) -> list[Row]:
             ]
         if len(run.path) > 1:
             work, energy = pressure_work_mj(run), run.path[-1].energy_mj - run.path[0].energy_mj
-            rows.append(row(scene.name, "pressure_work_mj", "mJ", run.path[-1].pressure_kpa, "axisymmetric", work, level,
-                            reference=energy, source="gain of stored energy from the first state"))  # fmt: skip
+            last = run.path[-1].pressure_kpa
+            rows.append(row(scene.name, "pressure_work_mj", "mJ", last, "axisymmetric", work, level, reference=energy,
+                            source="gain of stored energy from the first state"))  # fmt: skip
         crossing = run.summary.crossing
         if crossing:
             name = str(crossing["kind"]).replace(" ", "_")
