@@ -219,6 +219,8 @@ def _status(run: Run, value: float) -> str:
 
 def _closed_forms(scene: Scene, pressure_kpa: float) -> list[tuple[str, float, str]]:
     """(rung, main quantity, status) of the closed form: its chains, and the mended one with the free half pitch."""
+    if scene.load.sense < 0.0:
+        return []  # it has no vacuum
     nominal = dimensions_of(scene)
     variants: list[tuple[str, Chain, BellowsDimensions]] = [("closed_form", closed_form, nominal)]
     if scene.rings.model != "none":
@@ -245,8 +247,6 @@ def _closed_form_value(
         return float(held_tip(dimensions, law, pressure_kpa).tip_force_n[0]), REACHED
     if scene.load.tip_force_n:
         raise BellowsError("it has no force on its tip")
-    if scene.load.sense < 0.0:
-        raise BellowsError("it has no vacuum")
     return _elongation(chain, dimensions, law, pressure_kpa)
 
 

@@ -56,6 +56,7 @@ class Case:
 
 TOUCHING = (
     Case("blocked-t2-ri5", (5.0, 10.0, 12.5, 15.0, 17.5), (1, 2)),
+    Case("contact/blocked-t1-ri5", (2.0, 4.0, 5.0, 7.5, 10.0, 15.0), (1, 2)),
     Case("vacuum/vacuum-t2-ri5", (-0.5, -1.0, -2.0, -5.0, -10.0), (1, 2)),
 )
 # Pressurised far beyond what the paper's ANSYS reached: the gap to the rings, without end in sight.
