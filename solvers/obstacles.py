@@ -49,18 +49,6 @@ class Bowl:
 
 
 @dataclass(frozen=True)
-class Plane:
-    """The half space below z = const is solid; position in mm."""
-
-    z_mm: float
-
-    def gaps(self, points: FloatArray) -> Gaps:
-        """Height above the plane."""
-        n = len(points)
-        return points[:, 1] - self.z_mm, np.tile([0.0, 1.0], (n, 1)), np.zeros((n, 2, 2))
-
-
-@dataclass(frozen=True)
 class RoundedBox:
     """A rectangle ``low <= r <= high``, ``|z - centre| <= half_width`` with rounded edges, mm.
 

@@ -22,7 +22,7 @@ from solvers.contact_pairs import Against, ContactSettings, Facing, Line, Stop
 from solvers.errors import Cause, SolverError, StepFailed
 from solvers.linear import Factor
 from solvers.newton import NewtonSettings, solve_equilibrium
-from solvers.obstacles import Bore, Bowl, Plane, RoundedBox
+from solvers.obstacles import Bore, Bowl, RoundedBox
 from solvers.path import PathSettings, follow_path
 
 LAW = DRAGON_SKIN_10
@@ -230,7 +230,7 @@ def test_derivatives_between_two_lines(tube_in_tube):
 
 @pytest.mark.parametrize(
     "obstacle",
-    [Bore(6.05), Bowl(6.5), Plane(0.4), RoundedBox(5.9, 8.0, 1.0, 0.7, 0.3, 0.5)],
+    [Bore(6.05), Bowl(6.5), RoundedBox(5.9, 8.0, 1.0, 0.7, 0.3, 0.5)],
     ids=lambda obstacle: type(obstacle).__name__,
 )
 def test_derivatives_against_rigid_sections(tube_in_bore, obstacle):
