@@ -38,10 +38,13 @@ SMALL_STEPS = PathSettings(first_step=0.02, largest_step=0.05)
 
 
 def penalty(wall_mm: float, stiffness: float = STIFFNESS) -> ContactSettings:
-    """The penalty of scenes for a wall; ``stiffness`` in initial shear moduli per wall."""
-    modulus = LAW.initial_shear_modulus_mpa
+    """The penalty of scenes for a wall; ``stiffness`` in initial shear moduli per wall.
+
+    The gap at which its pressure begins falls with the stiffness: both lengths of the penalty are refined together.
+    """
+    modulus, smoothing = LAW.initial_shear_modulus_mpa, SMOOTHING * STIFFNESS / stiffness
     return ContactSettings(
-        stiffness * modulus / wall_mm, SMOOTHING * wall_mm, DEPTH * wall_mm, REACH * wall_mm, LIMIT * wall_mm
+        stiffness * modulus / wall_mm, smoothing * wall_mm, DEPTH * wall_mm, REACH * wall_mm, LIMIT * wall_mm
     )
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from mpi4py import MPI
 
 from studies import provenance
-from studies.contact import CONTACT_FILE, MODELLED, STIFFNESS, read_reports
+from studies.contact import CONTACT_FILE, MODELLED, SMOOTHING, STIFFNESS, read_reports
 from studies.contact_exact import exact_rows
 from studies.levels import fineness
 from studies.measures import find_places, largest_stretches
@@ -226,6 +226,7 @@ def write_study(out: Path, progress: Progress) -> tuple[Path, bool]:
         "worst": f"{max(abs(r.error_percent) for r in compared if r.level == f'k{STIFFNESS:g}'):.2g}",
         "sections": sections,
         "stiffness": f"{STIFFNESS:g}",
+        "smoothing": f"{100.0 * SMOOTHING:g}",
         "facts": {"commit": provenance.commit(), "date": provenance.now(), "machine": provenance.machine()},
     }
     return write_page(out, "contact.md.j2", content), all(r.status == REACHED for r in rows)
