@@ -13,7 +13,7 @@ import studies.contact
 from solvers.linear import Factor
 from solvers.newton import NewtonSettings, solve_equilibrium
 from studies.build import Tip, scene_meridian, scene_problem
-from studies.contact import CONTACT_FILE, LIMIT, MODELLED, read_reports
+from studies.contact import CONTACT_FILE, LIMIT, MODELLED, read_reports, scene_contact
 from studies.progress import Progress
 from studies.run_log import CONTACT, Log, Run
 from studies.runs import run_axisymmetric
@@ -130,3 +130,24 @@ def test_vacuum_is_negative_pressure(smoke: Scene, tip: str) -> None:
         assert report.excess_negatives == 0
     assert found[0][0] < -0.5
     np.testing.assert_allclose(found[0], found[1], rtol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("name", "section", "change"),
+    [
+        ("heung-t1-ri5", "mesh", {"element": "auto"}),
+        ("heung-t2-ri7", "mesh", {"element": "auto"}),
+        ("smoke-t2-ri5", "mesh", {"element": "tet"}),
+        ("smoke-t2-ri5", "rings", {"model": "none"}),
+        ("smoke-t2-ri5", "geometry", {"tip": "rigid"}),
+    ],
+)
+def test_nothing_touches_in_the_unloaded_state(root: Path, name: str, section: str, change: dict[str, str]) -> None:
+    scene = load_scene(root / "scenes" / f"{name}.toml")
+    scene = scene.model_copy(update={section: getattr(scene, section).model_copy(update=change)})
+    mesh = scene_meridian(scene, 1)
+    problem = scene_problem(scene, mesh, MPI.COMM_SELF)
+    contact = scene_contact(scene, mesh, problem)
+    contact.check()
+    assert not any(report.places for report in contact.report())
+    assert not contact.force().any() and contact.energy() == 0.0

@@ -10,7 +10,7 @@ import pytest
 from mpi4py import MPI
 
 from studies import vacuum_study
-from studies.contact import LIMIT
+from studies.contact import LIMIT, STIFFNESS
 from studies.contact_exact import exact_rows
 from studies.contact_study import exact_table, state_table
 from studies.progress import Progress
@@ -26,7 +26,7 @@ def exact() -> list[Row]:
 def test_exact_contact_problems_are_met(exact: list[Row]) -> None:
     compared = [r for r in exact if not math.isnan(r.error_percent)]
     assert {r.scene for r in compared} == {"tube in a rigid bore", "half a sphere in a rigid bowl", "tube in a tube"}
-    for entry in compared:
+    for entry in (r for r in compared if r.level == f"k{STIFFNESS:g}"):  # the penalty of scenes
         # energies: the trapezoidal rule across the kink of the path is the larger part
         assert abs(entry.error_percent) < (0.2 if entry.quantity == "energy_mj" else 0.1), entry
     for entry in exact:
