@@ -7,7 +7,7 @@ PYTHON := .venv/bin/python
 MPIRUN ?= /usr/bin/mpirun
 SCENES ?= $(wildcard scenes/*.toml)
 SWEEP ?= sweeps/heung-map.toml
-EXAMPLES ?= paper exact closed-form dimensions sweep stability cost error-model peers modes verification large
+EXAMPLES ?= paper exact closed-form dimensions sweep stability cost error-model peers modes verification large contact vacuum
 
 # --- ranks and threads ----------------------------------------------------------------------
 # One rank: BLAS may use all cores. Several ranks: one thread each, or they fight for the cores. Two ranks
@@ -138,6 +138,14 @@ study-branches: check ## paths whose volume turns back, branches beyond buckling
 .PHONY: study-imperfection
 study-imperfection: check ## actuators whose moulding core sat off the axis: bend, elongation; full 3D -> results/imperfection
 	$(LAUNCH) -m studies.imperfection_study --out results/imperfection
+
+.PHONY: study-contact
+study-contact: check ## contact: exact problems, folds that touch, 1 mm actuators to 80 kPa -> results/contact
+	$(PYTHON) -m studies.contact_study --out results/contact
+
+.PHONY: study-vacuum
+study-vacuum: check ## scenes/vacuum: what bellows contract to, with contact of their folds -> results/vacuum
+	$(PYTHON) -m studies.vacuum_study --out results/vacuum
 
 .PHONY: study-smoke
 study-smoke: check ## two convolutions by every model, in a minute -> results/study-smoke

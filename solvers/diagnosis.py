@@ -15,6 +15,7 @@ REMEDY = {
     Cause.LINEAR_SOLVER: "the tangent may be singular: check that supports hold the body",
     Cause.OUT_OF_MEMORY: "use more memory or ranks, fewer cells, or a larger disk in MUMPS_OOC_TMPDIR",
     Cause.NO_RESPONSE: 'use control = "pressure"',
+    Cause.CONTACT: "take smaller steps, or refine the mesh where the surfaces meet",
     Cause.STEP_SIZE: "take smaller steps at first, or refine the mesh where the strain is largest",
 }
 

@@ -18,6 +18,7 @@ class Cause(StrEnum):
     NO_RESPONSE = "volume does not respond"
     STEP_SIZE = "step size"
     TOO_LARGE = "too large"
+    CONTACT = "contact"
 
 
 class SolverError(RuntimeError):

@@ -78,6 +78,7 @@ class Harmonics:
     """
 
     conservative = True
+    contact = None
 
     def __init__(self, problem: Problem) -> None:
         if not problem.domain.axisymmetric or problem.comm.size != 1:

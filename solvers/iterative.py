@@ -68,6 +68,8 @@ class IterativeSolver(Factor):
         If the problem is not a whole body in 3D with a load that has a potential.
     """
 
+    problem: Problem
+
     def __init__(self, problem: Problem, settings: IterativeSettings | None = None) -> None:
         whole = problem.bonded is None or problem.modes == 6
         if problem.dimension != 3 or problem.element.displacement_degree != 2 or not whole:

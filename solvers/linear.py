@@ -30,6 +30,7 @@ class Factored(Protocol):
     timer: Timer
     owned: int
     extra: int
+    contact: Any
 
     @property
     def comm(self) -> Any: ...  # noqa: D102
@@ -104,6 +105,9 @@ class Factor:
             If MUMPS fails for another reason than memory, or all that can be done about memory is done. The
             problem's state is as it was.
         """
+        if self.problem.contact is not None and self.problem.contact.grow():
+            self.close()
+            self.matrix = self.problem.new_matrix()
         self.problem.assemble_tangent(self.matrix)
         with self.problem.timer("factor"):
             status, detail = self._factorise()

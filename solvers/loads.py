@@ -6,6 +6,7 @@ A load factor P (MPa) acts through a functional g (mm^3) with the potential ``-P
 load           traction on the loaded surface               g
 =============  ===========================================  =================================================
 cavity         ``-P cof F N``, a pressure from inside       enclosed volume
+suction        ``+P cof F N``, a vacuum inside              minus the enclosed volume
 external       ``-P cof F N``, a pressure from outside      minus the enclosed volume
 dead           ``+P N``, a tension that keeps direction     ``int u . N dA``, the gain of volume to first order
 dead_pressure  ``-P N``, a push that keeps direction        ``-int u . N dA``
@@ -25,7 +26,7 @@ import ufl
 
 from solvers.kinematics import Kinematics, cofactor
 
-LoadKind = Literal["cavity", "external", "dead", "dead_pressure", "dead_shear"]
+LoadKind = Literal["cavity", "suction", "external", "dead", "dead_pressure", "dead_shear"]
 # Sign of the traction along the normal, or along the second direction, for loads that keep their direction.
 DEAD = {"dead": 1.0, "dead_pressure": -1.0, "dead_shear": 1.0}
 
@@ -76,6 +77,8 @@ def load_forms(kind: LoadKind, space: Any, state: Any, kin: Kinematics, measure:
         area = cofactor(ufl.Identity(3) + kin.gradient(u)) * kin.normal
         volume = -0.5 * ufl.inner(kin.transverse_position(u), area) * kin.measure * measure
         traction = -ufl.inner(area, v) * kin.measure * measure
+        if kind == "suction":
+            volume, traction = -volume, -traction
     return LoadForms(volume, ufl.derivative(volume, state, ufl.TestFunction(space)), traction)
 
 

@@ -347,4 +347,6 @@ def _check_state(problem: Problem) -> float:
     limit1, limit2 = problem.law.invariant_limits
     if i1 > limit1 or i2 > limit2:
         raise StepFailed(f"out of the material law's range: {_range(problem)}", Cause.MATERIAL_RANGE)
+    if problem.contact is not None:
+        problem.contact.check()
     return det_f

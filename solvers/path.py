@@ -322,6 +322,7 @@ def follow_path(
     on_state: Callable[[PathState], None] | None = None,
     on_step: Callable[[PathMemory], None] | None = None,
     resume: PathMemory | None = None,
+    accept: Callable[[PathState], bool] | None = None,
 ) -> Path:
     """Follow the equilibrium path from the unloaded state through ascending asked pressures.
 
@@ -345,6 +346,9 @@ def follow_path(
         Called after each step, on every rank, with what is needed to go on from there.
     resume
         Such a memory: the path goes on after it, with the same steps as if it had not been interrupted.
+    accept
+        Called with each converged state before it is taken; where it says False it has changed the problem, and the
+        step is taken anew from the last state.
 
     Returns
     -------
@@ -369,6 +373,9 @@ def follow_path(
         aim = follower.aim(walk)
         try:
             found = follower.step(walk, aim)
+            if accept is not None and not all(accept(item) for item in found):
+                problem.set_state(walk.here.state)
+                continue
         except StepFailed as failure:
             problem.set_state(walk.here.state)
             control = walk.control

@@ -8,7 +8,7 @@ factorisation serves all and its inertia counts them too.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.sparse
@@ -31,6 +31,9 @@ from solvers.rigid import BondedBodies, RigidBodies
 from solvers.state import State, Timer
 from solvers.turning import Turning
 
+if TYPE_CHECKING:
+    from solvers.contact import Contact
+
 SOFT, STIFF = 1, 2  # material numbers of cells
 
 # Potential and traction form of a load are one load if their work on random directions differs by less than this.
@@ -46,9 +49,9 @@ class Surfaces:
     Attributes
     ----------
     cavity, external, dead, dead_pressure, dead_shear
-        The loaded surface, exactly one of the five: by a pressure from inside, by a pressure from outside (both
-        follow the surface), or by a tension or a pressure along the reference normal, or a traction along the second
-        direction, that keeps its direction.
+        The loaded surface, exactly one of these and ``suction``: by a pressure from inside, by a pressure from outside
+        (both follow the surface), or by a tension or a pressure along the reference normal, or a traction along the
+        second direction, that keeps its direction.
     clamped
         All displacement components are zero.
     bond
@@ -60,6 +63,8 @@ class Surfaces:
         Pairs (caller's node, component) with zero displacement, to hold a free body's motions.
     blocked
         Held axially, and the force on what holds it is known: `Problem.end_force`.
+    suction
+        Loaded by a vacuum inside, which follows the surface.
     """
 
     cavity: int | None = None
@@ -72,6 +77,7 @@ class Surfaces:
     dead_pressure: int | None = None
     blocked: int | None = None
     dead_shear: int | None = None
+    suction: int | None = None
 
     @property
     def load(self) -> tuple[LoadKind, int]:
@@ -84,6 +90,7 @@ class Surfaces:
         """
         kinds: dict[LoadKind, int | None] = {
             "cavity": self.cavity,
+            "suction": self.suction,
             "external": self.external,
             "dead": self.dead,
             "dead_pressure": self.dead_pressure,
@@ -141,6 +148,7 @@ class Problem:
         compat.align_counters()
         self.domain, self.comm = domain, domain.comm
         self.surfaces, self.stiff, self.bodies, self.inverse_kappa = surfaces, stiff, bodies, float(inverse_kappa)
+        self.contact: Contact | None = None
         self.timer = Timer()
         mesh = domain.mesh
         self.dimension = mesh.geometry.dim
@@ -174,6 +182,7 @@ class Problem:
                 measures,
             )
             kind, loaded = surfaces.load
+            self._plate_sense = -1.0 if kind == "suction" else 1.0
             # UFL takes arguments made after a compilation for others than those made before: all forms come first, and
             # those of the bodies, which compile some, last.
             load = load_forms(kind, self.space, self.state, kin, ds(loaded))
@@ -416,6 +425,8 @@ class Problem:
                 there = (np.ones(len(body), np.int8), (body, dof))
                 below = scipy.sparse.csr_matrix(there, shape=(self.extra, size))
                 pattern = scipy.sparse.vstack([pattern, below], format="csr")
+        if self.contact is not None:
+            pattern = pattern + self.contact.pattern
         pattern.sort_indices()
         rows = self.owned + (self.extra if last else 0)
         matrix = PETSc.Mat().createAIJ(
@@ -446,13 +457,17 @@ class Problem:
                 matrix.assemblyBegin(PETSc.Mat.AssemblyType.FLUSH)
                 matrix.assemblyEnd(PETSc.Mat.AssemblyType.FLUSH)
                 self._add_border(matrix, self.bonded)
+            if self.contact is not None:
+                matrix.assemblyBegin(PETSc.Mat.AssemblyType.FLUSH)
+                matrix.assemblyEnd(PETSc.Mat.AssemblyType.FLUSH)
+                self.contact.add_to(matrix)
             matrix.assemble()
 
     def _add_border(self, matrix: PETSc.Mat, bonded: BondedBodies) -> None:
         """Add the bodies' rows, columns and blocks."""
         first, total = self.index_map.local_range[0], self.index_map.size_global
         columns = bonded.columns()
-        blocks = bonded.blocks() - float(self.pressure.value) * bonded.plate_volume()[2]
+        blocks = bonded.blocks() - self._plate_sense * float(self.pressure.value) * bonded.plate_volume()[2]
         add = PETSc.InsertMode.ADD_VALUES
         held = bonded.is_held.reshape(bonded.count, bonded.modes).any(axis=1)
         for body, dofs in enumerate(self._coupled):
@@ -476,10 +491,14 @@ class Problem:
         """
         with self.timer("residual"):
             force = compat.assemble_array(self._internal, self.index_map).array[: self.owned].copy()
-            if self.bonded is None:
-                return force, np.zeros(0)
-            on_plate = float(self.pressure.value) * self.bonded.plate_volume()[1]
-            return force, self.bonded.forces() - on_plate - self.bonded.dead_forces()
+            on_bodies = np.zeros(0)
+            if self.bonded is not None:
+                on_plate = self._plate_sense * float(self.pressure.value) * self.bonded.plate_volume()[1]
+                on_bodies = self.bonded.forces() - on_plate - self.bonded.dead_forces()
+            if self.contact is not None:
+                push = self.contact.force()
+                force, on_bodies = force + push[: self.owned], on_bodies + push[self.owned :]
+            return force, on_bodies
 
     def volume_gradient(self) -> FloatArray:
         """Derivative of `cavity_volume` on the owned dofs, mm^2, shape (owned,)."""
@@ -497,12 +516,13 @@ class Problem:
 
     def cavity_volume(self) -> float:
         """Volume on which the load does work, mm^3: the enclosed volume for a cavity, see solvers.loads for others."""
-        by_plate = 0.0 if self.bonded is None else self.bonded.plate_volume()[0]
+        by_plate = 0.0 if self.bonded is None else self._plate_sense * self.bonded.plate_volume()[0]
         return compat.assemble_scalar(self._volume, self.comm) + by_plate
 
     def energy(self) -> float:
-        """Stored energy of solid and bond, mJ."""
-        return compat.assemble_scalar(self._energy, self.comm)
+        """Stored energy of solid, bond and contact, mJ."""
+        stored = compat.assemble_scalar(self._energy, self.comm)
+        return stored if self.contact is None else stored + self.contact.energy()
 
     def reaction(self) -> float:
         """Axial force of the support on the clamped surface, N.

@@ -116,7 +116,8 @@ def scene_problem(scene: Scene, mesh: SolidMesh | None, comm: MPI.Comm) -> Probl
     if cut:
         held = ((FACETS["start"], 1), (FACETS["end"], 0))
     surfaces = Surfaces(
-        cavity=FACETS["cavity"],
+        cavity=FACETS["cavity"] if scene.load.sense > 0.0 else None,
+        suction=FACETS["cavity"] if scene.load.sense < 0.0 else None,
         clamped=FACETS["clamped"],
         bond=FACETS["bond"] if bodies is not None else None,
         held=held,

@@ -219,6 +219,8 @@ def _status(run: Run, value: float) -> str:
 
 def _closed_forms(scene: Scene, pressure_kpa: float) -> list[tuple[str, float, str]]:
     """(rung, main quantity, status) of the closed form: its chains, and the mended one with the free half pitch."""
+    if scene.load.sense < 0.0:
+        return []  # it has no vacuum
     nominal = dimensions_of(scene)
     variants: list[tuple[str, Chain, BellowsDimensions]] = [("closed_form", closed_form, nominal)]
     if scene.rings.model != "none":
@@ -282,6 +284,8 @@ def validity_notes(scene: Scene) -> list[str]:
         )
     if scene.load.tip_force_n:
         return ["The closed form has no force on its tip."]
+    if scene.load.sense < 0.0:
+        return ["The closed form has no vacuum."]
     answer = closed_form(dimensions, law, np.array(scene.load.pressure_kpa))
     unfolding_kpa = float(answer.unfolding_pressure_kpa[0])
     if unfolding_kpa <= scene.load.pressure_kpa[-1]:

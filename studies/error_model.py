@@ -218,8 +218,9 @@ def predicted_seconds(scene: Scene, rung: Rung, level: str) -> float:
 
 
 def knows(scene: Scene) -> bool:
-    """True if the model is about such a scene: the free tip of a bellows without a force on it."""
-    return not scene.blocked and not scene.load.tip_force_n
+    """True if the model is about such a scene: the free tip of a centred bellows under pressure, without a force."""
+    plain = not scene.blocked and not scene.load.tip_force_n
+    return plain and scene.load.sense > 0.0 and not scene.geometry.eccentricity
 
 
 def around_for(scene: Scene, rung: str) -> int:

@@ -48,6 +48,7 @@ class GapMeter:
 
     def __init__(self, scene: Scene, meridian: SolidMesh, body: SolidMesh | None = None) -> None:
         self._shape, self._scene = shape_of(scene), scene
+        self.modelled = False  # contact beyond first touch
         self._points = meridian.points if body is None else body.points
         flat = tuple(_thinned(outline) for outline in outlines(meridian))
         self._planes = [flat] if body is None else _planes(flat, body)

@@ -124,6 +124,8 @@ def make_plan(
             f"{scene.name}: the closed form has no force on its tip: set load.tip_force_n = 0 "
             f"(it is {scene.load.tip_force_n:g}) or ask for --rung axisymmetric"
         )
+    if chosen == "closed_form" and scene.load.sense < 0.0:
+        raise SceneError(f"{scene.name}: the closed form has no vacuum: ask for --rung axisymmetric")
     if chosen == "axisymmetric" and scene.blocked and not scene.ask.modes:
         skipped.append("modes that bend the actuator sideways: a blocked one may squirm (ask.modes = true counts them)")
     if chosen == "closed_form":

@@ -93,8 +93,18 @@ def code_hash() -> str:
     digest = hashlib.sha256()
     files = sorted(p for folder in ("meshes", "solvers") for p in (ROOT / folder).glob("*.py"))
     files.append(ROOT / "analytical" / "materials.py")
-    studies = ["build.py", "run_log.py", "runs.py", "scene.py", "exact_problem.py", "exact_run.py", "exact_scene.py"]
-    studies.append("modes_run.py")
+    studies = (
+        "build.py",
+        "contact.py",
+        "gaps.py",
+        "modes_run.py",
+        "run_log.py",
+        "runs.py",
+        "scene.py",
+        "exact_problem.py",
+        "exact_run.py",
+        "exact_scene.py",
+    )
     for path in [*files, *(ROOT / "studies" / name for name in studies)]:
         digest.update(path.read_bytes())
     return digest.hexdigest()[:16]

@@ -21,6 +21,7 @@ from solvers.problem import Problem
 from solvers.records import Crossing, GuessMemory, PathMemory, PathState
 from solvers.records import Path as EquilibriumPath
 from studies import provenance
+from studies.contact import ContactWatch
 from studies.gaps import GapMeter, Touch
 from studies.progress import Progress
 from studies.results import (
@@ -69,6 +70,7 @@ class Job:
     notes: tuple[str, ...]
     progress: Progress
     begin: float
+    sense: float = 1.0  # -1: loads are a vacuum
 
     @property
     def label(self) -> str:
@@ -85,10 +87,11 @@ def begin(
     notes: Sequence[str],
     progress: Progress,
     highest_mpa: float,
+    sense: float = 1.0,
 ) -> Job:
     """Start the clock, the memory's peak and the progress of a run whose highest asked pressure is given."""
     provenance.reset_peak_memory()
-    job = Job(scene, rung, level, folder, content_hash, tuple(notes), progress, time.perf_counter())
+    job = Job(scene, rung, level, folder, content_hash, tuple(notes), progress, time.perf_counter(), sense)
     progress.begin(job.label, highest_mpa)
     return job
 
@@ -120,7 +123,7 @@ class Log:
         comm: MPI.Comm,
         mesh: SolidMesh,
         row_of: Callable[[PathState], PathRow],
-        gaps: GapMeter | None = None,
+        gaps: GapMeter | ContactWatch | None = None,
     ) -> None:
         self.job, self.comm, self.mesh, self.row_of, self._gaps = job, comm, mesh, row_of, gaps
         self.rows: list[PathRow] = []
@@ -161,7 +164,8 @@ class Log:
 
     def _with_gap(self, row: PathRow, touch: Touch) -> PathRow:
         """The row with its gap; the first touch is noted."""
-        if touch.gap.gap_mm <= 0.0 and not any(r.min_gap_mm <= 0.0 for r in self.rows):
+        modelled = self._gaps is not None and self._gaps.modelled
+        if touch.gap.gap_mm <= 0.0 and not modelled and not any(r.min_gap_mm <= 0.0 for r in self.rows):
             last = self.rows[-1].pressure_kpa if self.rows else 0.0
             r, z = touch.gap.at_mm
             self.notes.append(
@@ -206,16 +210,19 @@ def stamp(comm: MPI.Comm) -> dict[str, Any]:
     }
 
 
-def path_row(item: PathState, tip_mm: float, tip_centre_mm: float, parts: int = 1) -> PathRow:
-    """A row of path.csv; volume, energy and forces are those of the whole, of which a sector is one of ``parts``."""
+def path_row(item: PathState, tip_mm: float, tip_centre_mm: float, parts: int = 1, sense: float = 1.0) -> PathRow:
+    """A row of path.csv; volume, energy and forces are those of the whole, of which a sector is one of ``parts``.
+
+    With ``sense`` -1 the load is a vacuum, and what does work on it minus the volume.
+    """
     unstable = item.newton.excess_negatives
     return PathRow(
-        pressure_kpa=1e3 * item.state.load_mpa,
+        pressure_kpa=sense * 1e3 * item.state.load_mpa,
         control=item.control,
         tip_mm=tip_mm,
         tip_centre_mm=tip_centre_mm,
         tip_force_n=parts * item.end_force_n,
-        volume_mm3=parts * item.volume_mm3,
+        volume_mm3=sense * parts * item.volume_mm3,
         energy_mj=parts * item.energy_mj,
         reaction_n=parts * item.reaction_n,
         min_det_f=item.newton.min_det_f,
@@ -231,7 +238,7 @@ def path_row(item: PathState, tip_mm: float, tip_centre_mm: float, parts: int = 
 
 def field_file(folder: Path, pressure_mpa: float) -> Path:
     """Where a run's fields at a load are."""
-    return folder / FIELDS_FOLDER / f"p{1e3 * pressure_mpa:06.3f}.vtu"
+    return folder / FIELDS_FOLDER / f"p{1e3 * abs(pressure_mpa):06.3f}.vtu"
 
 
 def field_files(folder: Path, pressures_kpa: Sequence[float]) -> dict[float, Path]:
@@ -250,15 +257,15 @@ def write_collection(folder: Path, pressures_kpa: Sequence[float]) -> None:
     write_text_atomically(folder / "fields.pvd", text)
 
 
-def _facts(crossing: Crossing | None) -> dict[str, Any]:
-    """A crossing for the summary."""
+def _facts(crossing: Crossing | None, sense: float) -> dict[str, Any]:
+    """A crossing for the summary, its load as a pressure."""
     if crossing is None:
         return {}
     return {
         "kind": str(crossing.kind),
-        "pressure_kpa": 1e3 * crossing.pressure_mpa,
+        "pressure_kpa": sense * 1e3 * crossing.pressure_mpa,
         "within_kpa": 1e3 * crossing.within_mpa,
-        "volume_mm3": crossing.volume_mm3,
+        "volume_mm3": sense * crossing.volume_mm3,
         "modes_before": crossing.modes_before,
         "modes_after": crossing.modes_after,
     }
@@ -301,7 +308,7 @@ def finish(
             rung=job.rung,
             level=job.level,
             status="reached" if path.reached else "stopped",
-            reason=ending(path.reason, notes),
+            reason=ending(("vacuum: " if path.reason and job.sense < 0.0 else "") + path.reason, notes),
             content_hash=job.content_hash,
             plan=tuple(notes),
             dofs=problem.index_map.size_global + problem.extra,
@@ -315,7 +322,7 @@ def finish(
             time_s={**seconds, "total": log.seconds + time.perf_counter() - job.begin},
             peak_mb=peak,
             cause=str(path.cause),
-            crossing=_facts(path.crossing),
+            crossing=_facts(path.crossing, job.sense),
             **stamp(comm),
         )
         write_path(job.folder, rows)

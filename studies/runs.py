@@ -33,6 +33,7 @@ from solvers.records import Path as EquilibriumPath
 from solvers.state import State
 from studies import provenance
 from studies.build import SECTORS, Tip, masses_g, revolve_state, scene_body, scene_meridian, scene_problem
+from studies.contact import MODELLED, ContactWatch
 from studies.gaps import GapMeter
 from studies.levels import BodyLevel
 from studies.modes_run import COUNTED_LEVELS, with_modes
@@ -63,9 +64,18 @@ def run_hash(scene: Scene, rung: str, level: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:24]
 
 
+def path_settings(scene: Scene) -> PathSettings:
+    """Step control; a vacuum takes small steps, as it can take from a cavity no more than it holds."""
+    if scene.load.sense < 0.0:
+        return PathSettings(control=scene.load.control, first_step=0.02, largest_step=0.05)
+    return PathSettings(control=scene.load.control)
+
+
 def _begin(scene: Scene, rung: str, level: str, folder: Path, notes: Sequence[str], progress: Progress) -> Job:
     content_hash = run_hash(scene, rung, level)
-    return begin(scene.name, rung, level, folder, content_hash, notes, progress, scene.pressures_mpa[-1])
+    return begin(
+        scene.name, rung, level, folder, content_hash, notes, progress, scene.pressures_mpa[-1], scene.load.sense
+    )
 
 
 def run_closed_form(scene: Scene, folder: Path, comm: MPI.Comm) -> Run:
@@ -191,29 +201,34 @@ def _solve_axisymmetric(scene: Scene, refinement: int, folder: Path, progress: P
     problem.timer.seconds["mesh"] = meshed
     factor = Factor(problem)
     tip = Tip(scene, mesh)
+    watch = ContactWatch(scene, mesh, problem, folder)
     log = Log(
         job,
         problem.comm,
         mesh,
-        lambda item: path_row(item, tip.mean_mm(item.state), tip.centre_mm(item.state)),
-        GapMeter(scene, mesh),
+        lambda item: path_row(item, tip.mean_mm(item.state), tip.centre_mm(item.state), sense=scene.load.sense),
+        watch,
     )
+    if any(note.startswith(MODELLED) for note in log.notes):
+        watch.switch_on()
 
     def keep(item: PathState) -> None:
         row = log.state(item)
         if item.asked:
             with problem.timer("output"):
                 save_state(folder, job.content_hash, item.state, row)
+                watch.write(item)
 
     path = follow_path(
         problem,
         factor,
         scene.pressures_mpa,
-        PathSettings(control=scene.load.control),
+        path_settings(scene),
         progress.iteration,
         on_state=keep,
         on_step=lambda memory: log.step(memory, factor),
         resume=log.memory if isinstance(log.memory, PathMemory) else None,
+        accept=lambda item: watch.accept(item, log.notes),
     )
     return _finish(scene, log, problem, factor, path, mesh)
 
@@ -272,7 +287,7 @@ def run_body(
         job,
         comm,
         body,
-        lambda item: path_row(item, tip.mean_mm(item.state), tip.centre_mm(item.state), parts),
+        lambda item: path_row(item, tip.mean_mm(item.state), tip.centre_mm(item.state), parts, scene.load.sense),
         # gaps are measured in planes through the axis, which a body that bends leaves
         None if scene.geometry.eccentricity else GapMeter(scene, meridian, body),
     )

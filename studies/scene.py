@@ -131,23 +131,40 @@ AnyMaterial = YeohMaterial | OgdenMaterial | NeoHookeMaterial | GuccioneMaterial
 
 
 class Load(Section):
-    """Cavity pressures at which results are asked, kPa, ascending, what the steps between are taken in, and the tip.
+    """Cavity pressures at which results are asked, kPa, what the steps between are taken in, and the tip.
+
+    Pressures go away from zero: all positive and ascending, or all negative and descending, a vacuum.
+
 
     A blocked tip is held axially: the whole rim of a cap's distal face, which may slide and widen as on a wall without
     friction, or a rigid plate with all its motions. ``tip_force_n`` is a dead axial force on a free rigid plate,
     positive pulls it outwards.
     """
 
-    pressure_kpa: Annotated[list[Annotated[float, Field(gt=0.0, allow_inf_nan=False)]], Field(min_length=1)]
+    pressure_kpa: Annotated[list[Annotated[float, Field(allow_inf_nan=False)]], Field(min_length=1)]
     control: Literal["auto", "pressure", "volume", "arc"] = "auto"
     tip: Literal["free", "blocked"] = "free"
     tip_force_n: Annotated[float, Field(allow_inf_nan=False)] = 0.0
 
     @model_validator(mode="after")
-    def _ascending(self) -> Load:
-        if any(b <= a for a, b in zip(self.pressure_kpa[:-1], self.pressure_kpa[1:], strict=True)):
-            raise ValueError(f"load.pressure_kpa = {self.pressure_kpa}: must ascend strictly")
+    def _away_from_zero(self) -> Load:
+        loads = [self.sense * p for p in self.pressure_kpa]
+        if loads[0] <= 0.0 or any(b <= a for a, b in zip(loads[:-1], loads[1:], strict=True)):
+            raise ValueError(
+                f"load.pressure_kpa = {self.pressure_kpa}: must ascend strictly from above 0, or descend from below 0"
+            )
         return self
+
+    @property
+    def sense(self) -> float:
+        """+1 for pressures, -1 for a vacuum."""
+        return -1.0 if self.pressure_kpa[0] < 0.0 else 1.0
+
+
+class Contact(Section):
+    """Contact of folds, rings and wall, in axisymmetric runs with rigid rings or none; ``auto``: from first touch."""
+
+    model: Literal["auto", "off"] = "auto"
 
 
 class Ask(Section):
@@ -168,6 +185,7 @@ class Scene(Section):
     mesh: Mesh = Mesh()
     material: Annotated[YeohMaterial | OgdenMaterial | NeoHookeMaterial, Field(discriminator="law")]
     load: Load
+    contact: Contact = Contact()
     ask: Ask = Ask()
 
     @model_validator(mode="after")
@@ -181,8 +199,8 @@ class Scene(Section):
 
     @property
     def pressures_mpa(self) -> tuple[float, ...]:
-        """Asked pressures, MPa."""
-        return tuple(1e-3 * p for p in self.load.pressure_kpa)
+        """Asked loads, MPa: pressures, or how far below the outside's where they are negative."""
+        return tuple(1e-3 * abs(p) for p in self.load.pressure_kpa)
 
     @property
     def title(self) -> str:
@@ -329,7 +347,7 @@ def _faults(scene: Scene) -> list[str]:
         )
     faults += _tip_faults(scene)
     faults += _core_faults(scene)
-    return faults + material_faults(scene.material, scene.load.pressure_kpa[-1], "load.pressure_kpa")
+    return faults + material_faults(scene.material, abs(scene.load.pressure_kpa[-1]), "load.pressure_kpa")
 
 
 def element_faults(mesh: Mesh, kappa_over_mu: float) -> list[str]:

@@ -355,7 +355,7 @@ def _input() -> list[Cell]:
     asked: dict[str, tuple[Any, ...]] = {
         "geometry.wall_mm": (2.0, 0.0, -1.0, 3.0, math.nan),
         "geometry.fillet_mm": (0.5, 0.0, -0.5, 2.0, 50.0),
-        "load.pressure_kpa": ((10.0,), (0.0,), (-5.0,), (10.0, 5.0), (5000.0,)),
+        "load.pressure_kpa": ((10.0,), (0.0,), (-5.0, 5.0), (10.0, 5.0), (5000.0,)),
         "material.kappa_over_mu": (1000.0, 0.0, -100.0, 1.0, 10.0),
         "material.alpha": (5.836, 0.0, 25.0, "six", -30.0),
         "rings.edge_radius_mm": (0.5, -0.1, 2.5, 5.0, math.nan),

@@ -17,7 +17,7 @@ STATES_FOLDER = "states"
 
 
 def _state_file(folder: Path, pressure_mpa: float) -> Path:
-    return folder / STATES_FOLDER / f"p{1e3 * pressure_mpa:09.4f}.npz"
+    return folder / STATES_FOLDER / f"p{1e3 * abs(pressure_mpa):09.4f}.npz"
 
 
 def save_state(folder: Path, content_hash: str, state: State, row: PathRow) -> None:

@@ -72,7 +72,7 @@ def summary(scenes: Sequence[SceneReport], verdicts: Sequence[str]) -> Table:
     rungs = ordered(rung for scene in scenes for rung in rungs_of(scene))
     lines = []
     for scene, verdict in zip(scenes, verdicts, strict=True):
-        highest = max(scene.pressures_kpa)
+        highest = max(scene.pressures_kpa, key=abs)
         values = [value_text(headline(scene, rung, highest)) for rung in rungs]
         link = f"[{scene.name}](#{anchor_of(scene)})"
         lines.append((link, f"{highest:g}", *values, _status(scene), verdict))

@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 import studies.__main__
+import studies.dimensions
 from analytical.bellows_loads import held_tip
 from analytical.chains import BALANCED, closed_form
 from analytical.fit import WITHIN, mass_allowed, members_of, rings_g, silicone_g
@@ -127,7 +128,7 @@ def test_predictions_against_single_actuators() -> None:
 @pytest.mark.parametrize("as_recorded", [True, False])
 def test_scenes_are_written_only_if_the_record_holds(as_recorded, tmp_path, monkeypatch) -> None:
     picks = SimpleNamespace(as_recorded=as_recorded, families=FAMILIES)
-    monkeypatch.setattr(studies.__main__.dimensions, "write_study", lambda out: SimpleNamespace(picks=picks))
+    monkeypatch.setattr(studies.dimensions, "write_study", lambda out: SimpleNamespace(picks=picks))
     monkeypatch.setattr(studies.__main__.provenance, "ROOT", tmp_path)
     asked = ["dimensions", "--out", str(tmp_path / "out"), "--write-scenes"]
     result = CliRunner().invoke(studies.__main__.main, asked)
