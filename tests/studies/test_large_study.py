@@ -59,7 +59,7 @@ def test_what_does_not_fit_or_has_no_time_left_is_said_and_not_tried(tmp_path, m
 def test_fits_cross_where_power_laws_do(tmp_path) -> None:
     sizes = (1e5, 2e5, 4e5)
     direct = [cell("direct", int(n), 1e-10 * n**2, 1e-2 * n) for n in sizes]
-    iterative = [cell("iterative", int(n), 1e-4 * n, 2e-3 * n) for n in sizes]
+    iterative = [cell("iterative", int(n), 1e-4 * n, 1e-8 * n**2) for n in sizes]
     law = power_law(direct, "setup_s")
     assert law is not None
     start, slope = law
