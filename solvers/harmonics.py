@@ -124,7 +124,10 @@ class Harmonics:
             self.space, problem.state, kin, problem.law, inverse_kappa, problem.stiff, measures, wave
         )
         kind, loaded = problem.surfaces.load
-        if kind not in DEAD:
+        self._sense = -1.0 if kind == "suction" else 1.0
+        if kind == "suction":
+            tangent += problem.pressure * harmonic_load(self.space, problem.state, kin, ds(loaded), wave)
+        elif kind not in DEAD:
             tangent -= problem.pressure * harmonic_load(self.space, problem.state, kin, ds(loaded), wave)
         bodies = self.problem.bodies
         if problem.bonded is not None and bodies is not None:
@@ -266,7 +269,7 @@ class Harmonics:
 
     def _add_border(self, matrix: PETSc.Mat, bond: HarmonicBond) -> None:
         """Add the bodies' rows, columns and blocks; a motion that is held is a unit diagonal alone."""
-        columns, blocks = bond.border(self.waves, float(self.problem.pressure.value))
+        columns, blocks = bond.border(self.waves, self._sense * float(self.problem.pressure.value))
         columns[self.is_constrained] = 0.0
         add = PETSc.InsertMode.ADD_VALUES
         for body, dofs in enumerate(self._coupled):

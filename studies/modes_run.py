@@ -28,6 +28,7 @@ from solvers.problem import Problem
 from solvers.records import PathPoint
 from solvers.state import State
 from studies.build import Tip, scene_meridian, scene_problem
+from studies.contact import MODELLED
 from studies.results import PathRow, write_path, write_summary, write_text_atomically
 from studies.run_log import Run
 from studies.scene import Scene
@@ -111,6 +112,9 @@ def with_modes(scene: Scene, refinement: int, folder: Path, run: Run) -> Run:
     """
     if is_counted(folder, run):
         return run
+    if any(note.startswith(MODELLED) for note in run.summary.plan):
+        note = f"{NOT_COUNTED}contact is modelled, which the harmonics leave out"
+        return Run(dataclasses.replace(run.summary, plan=(*_other_notes(run), note)), run.path)
     mesh = scene_meridian(scene, refinement)
     tip = Tip(scene, mesh)
     # A dead force on the tip moves the state that pressure starts from.
