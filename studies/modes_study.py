@@ -236,7 +236,7 @@ def headlines(rows: Sequence[Row]) -> list[Row]:
 def confirmations(rows: Sequence[Row]) -> list[str]:
     """Lines for a terminal: counts on whole bodies beside those of the harmonics."""
     return [
-        f"{r.scene}  {r.pressure_kpa:.5g} kPa  full3d {r.level}: {r.value:g} unstable modes, by harmonics {r.reference:g}"
+        f"{r.scene}  {r.pressure_kpa:.5g} kPa  full3d {r.level}: {r.value:g} unstable, by harmonics {r.reference:g}"
         + ("" if is_reached(r) else f" ({r.status})")
         for r in rows
         if r.rung == "full3d"
