@@ -313,8 +313,9 @@ def modes_command(scenes: tuple[Path, ...], out: Path, full3d: bool) -> None:
         sys.exit(_cannot_write("modes", error))
     for fault in faults if MPI.COMM_WORLD.rank == 0 else []:
         click.echo(fault, err=True)
-    for entry in modes_study.headlines([r for result in results for r in result.rows]):
-        _out(f"{entry.scene}  {_shown(entry)}")
+    rows = [r for result in results for r in result.rows]
+    lines = [f"{entry.scene}  {_shown(entry)}" for entry in modes_study.headlines(rows)]
+    _out("\n".join([*lines, *modes_study.confirmations(rows)]))
     _out(f"report: {out / 'report.html'}")
     sys.exit(STOPPED if faults or not all(result.reached for result in results) else 0)
 

@@ -23,7 +23,7 @@ from studies.modes_pictures import draw_mode
 from studies.modes_ring import ring_rows
 from studies.modes_run import COUNTED_LEVELS, FoundCrossing, counts_of, read_crossings
 from studies.progress import Progress
-from studies.rows import Row, row, write_rows
+from studies.rows import Row, is_reached, row, write_rows
 from studies.run_log import Run
 from studies.uncertainty import UNKNOWN, Convergence, from_two
 
@@ -229,5 +229,15 @@ def run_study(
 
 
 def headlines(rows: Sequence[Row]) -> list[Row]:
-    """Rows for a terminal: the pressures of crossings, and counts on whole bodies."""
-    return [r for r in rows if r.rung == "full3d" or (r.quantity.startswith("crossing") and r.unit == "kPa")]
+    """Rows for a terminal: the pressures of crossings."""
+    return [r for r in rows if r.quantity.startswith("crossing") and r.unit == "kPa"]
+
+
+def confirmations(rows: Sequence[Row]) -> list[str]:
+    """Lines for a terminal: counts on whole bodies beside those of the harmonics."""
+    return [
+        f"{r.scene}  {r.pressure_kpa:.5g} kPa  full3d {r.level}: {r.value:g} unstable, by harmonics {r.reference:g}"
+        + ("" if is_reached(r) else f" ({r.status})")
+        for r in rows
+        if r.rung == "full3d"
+    ]

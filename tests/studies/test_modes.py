@@ -143,6 +143,7 @@ def test_solve_says_that_a_held_tip_bends_sideways(blocked) -> None:
     assert not (out / "axisymmetric-r1" / modes_run.MODES_FILE).exists()
 
 
+@pytest.mark.slow
 def test_modes_command_writes_rows_and_draws_the_mode(tmp_path) -> None:
     scene = tmp_path / "tube.toml"
     scene.write_text(TUBE.format(name="tube", length=100.0), encoding="utf-8")
