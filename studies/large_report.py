@@ -52,7 +52,7 @@ def render_large(folder: Path, cells: Sequence[LargeCell], untried: Sequence[str
         "crossings": [
             crossing_text("CPU time", fits["direct", "iteration_cpu_s"], fits["iterative", "iteration_cpu_s"]),
             crossing_text(
-                f"CPU time, if the direct one grows with the power {FLOPS_EXPONENT:.1f} of its flops from its largest point",
+                f"CPU time, if the direct one grows from its largest point as its flops do, N^{FLOPS_EXPONENT:.1f}",
                 flops_bound(mine),
                 fits["iterative", "iteration_cpu_s"],
             ),
