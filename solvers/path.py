@@ -297,7 +297,9 @@ class _Follower:
                 walk.switched = True
                 self._switch(walk, "volume")
                 return True
-            if walk.control == "volume" and walk.failures > 2 and volume_turns_back(walk.history, aim.size):
+            # against an obstacle a volume stops growing without turning back
+            free = self.problem.contact is None
+            if free and walk.control == "volume" and walk.failures > 2 and volume_turns_back(walk.history, aim.size):
                 walk.switched = True
                 self._switch(walk, "arc")
                 return True

@@ -86,5 +86,5 @@ def test_dead_pressure_is_a_following_one_times_the_growth_of_the_surface(sector
 
 
 def test_a_load_of_two_kinds_is_refused(sector, sides) -> None:
-    with pytest.raises(SolverError, match="set one of cavity, external, dead, dead_pressure"):
+    with pytest.raises(SolverError, match="set one of cavity, suction, external, dead, dead_pressure"):
         sector(0.5 * math.pi, dead_pressure=sides.outer, external=sides.outer)

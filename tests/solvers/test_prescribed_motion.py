@@ -67,9 +67,9 @@ def test_motion_that_cannot_be_followed_ends_with_a_reason(twisted, monkeypatch)
     assert reached < 2.0 * math.pi
     assert f"{100.0 * reached / (10.0 * math.pi):.4g} % of the motion reached" in path.reason
     assert path.rejected >= 1
-    free, factor = twisted(NeoHooke(0.07), held=False)
+    free, of_free = twisted(NeoHooke(0.07), held=False)
     with pytest.raises(SolverError, match="no rigid body is held"):
-        follow_motion(free, factor, turn(0.1), NewtonSettings())
+        follow_motion(free, of_free, turn(0.1), NewtonSettings())
 
 
 def test_dead_shear_is_the_force_it_says(make_problem) -> None:

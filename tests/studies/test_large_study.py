@@ -70,7 +70,7 @@ def test_fits_cross_where_power_laws_do(tmp_path) -> None:
     page = (
         render_large(tmp_path, direct + iterative, ["a: not tried"], 2).with_suffix(".md").read_text(encoding="utf-8")
     )
-    assert "CPU time of an iteration: the fits cross at about 1,000,000 unknowns" in page
+    assert "CPU time: the fits cross at about 1,000,000 unknowns" in page
     assert "memory: the fits do not cross" in page
     failed = dataclasses.replace(direct[0], failure="MUMPS failed")
     assert points_table([failed]).rows[0][-1] == "MUMPS failed"
