@@ -13,11 +13,9 @@ from itertools import chain
 import numpy as np
 from scipy.spatial import cKDTree
 
+from meshes.boundary import QUADRILATERAL_EDGES
 from meshes.cells import TRIANGLE_EDGES
 from meshes.solid import FACETS, FloatArray, IntArray, SolidMesh
-
-# Edges of a quadrilateral as pairs of local corners, in the order of their mid-edge nodes (meshes.cells).
-_QUADRILATERAL_EDGES = ((0, 1), (0, 2), (1, 3), (2, 3))
 
 
 @dataclass(frozen=True)
@@ -196,7 +194,7 @@ def _chain(edges: IntArray) -> IntArray:
 def _mid_nodes(mesh: SolidMesh, corners: IntArray) -> IntArray:
     """Mid-edge node between each corner and the next."""
     known: dict[tuple[int, int], int] = {}
-    for k, (i, j) in enumerate(TRIANGLE_EDGES if mesh.cell.name == "triangle" else _QUADRILATERAL_EDGES):
+    for k, (i, j) in enumerate(TRIANGLE_EDGES if mesh.cell.name == "triangle" else QUADRILATERAL_EDGES):
         ends = np.sort(mesh.cells[:, [i, j]], axis=1)
         mids = mesh.cells[:, mesh.cell.corners + k]
         known.update(zip(map(tuple, ends.tolist()), mids.tolist(), strict=True))
