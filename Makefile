@@ -7,7 +7,7 @@ PYTHON := .venv/bin/python
 MPIRUN ?= /usr/bin/mpirun
 SCENES ?= $(wildcard scenes/*.toml)
 SWEEP ?= sweeps/heung-map.toml
-EXAMPLES ?= paper exact closed-form dimensions sweep stability cost error-model peers modes verification large contact vacuum
+EXAMPLES ?= paper exact closed-form dimensions sweep stability cost modes branches imperfection contact vacuum verification large
 
 # --- ranks and threads ----------------------------------------------------------------------
 # One rank: BLAS may use all cores. Several ranks: one thread each, or they fight for the cores. Two ranks

@@ -33,8 +33,9 @@ def lasting(errors_percent: Sequence[float]) -> list[float]:
 
 
 def best(points: Sequence[Point]) -> Point | None:
-    """The point of smallest error, the fastest of those; its time is T_peer."""
-    return min(points, key=lambda p: (p.error_percent, p.wall_s)) if points else None
+    """The point of smallest error, the fastest of those that share it to a hundredth; its time is T_peer."""
+    least = min((p.error_percent for p in points), default=math.nan)
+    return min((p for p in points if p.error_percent <= 1.01 * least), key=lambda p: p.wall_s, default=None)
 
 
 def front(points: Sequence[Point]) -> list[Point]:
