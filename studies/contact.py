@@ -24,7 +24,7 @@ from solvers.problem import Problem
 from solvers.records import PathState
 from solvers.state import State
 from studies.gaps import GapMeter, Touch
-from studies.results import write_text_atomically
+from studies.results import PathRow, write_text_atomically
 from studies.scene import Scene, law_of, shape_of
 
 CONTACT_FILE = "contact.csv"
@@ -50,6 +50,11 @@ def contact_settings(scene: Scene, stiffness: float = STIFFNESS) -> ContactSetti
     wall = scene.geometry.wall_mm
     modulus = law_of(scene.material).initial_shear_modulus_mpa
     return ContactSettings(stiffness * modulus / wall, SMOOTHING * wall, DEPTH * wall, REACH * wall, LIMIT * wall)
+
+
+def may_touch(scene: Scene, row: PathRow) -> bool:
+    """True if surfaces of a state are so near that contact may press, or if its gap is not known."""
+    return not row.min_gap_mm > LIMIT * scene.geometry.wall_mm
 
 
 def scene_contact(scene: Scene, mesh: SolidMesh, problem: Problem, stiffness: float = STIFFNESS) -> Contact:

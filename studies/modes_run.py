@@ -13,6 +13,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +29,7 @@ from solvers.problem import Problem
 from solvers.records import PathPoint
 from solvers.state import State
 from studies.build import Tip, scene_meridian, scene_problem
-from studies.contact import MODELLED
+from studies.contact import MODELLED, may_touch
 from studies.results import PathRow, write_path, write_summary, write_text_atomically
 from studies.run_log import Run
 from studies.scene import Scene
@@ -112,23 +113,24 @@ def with_modes(scene: Scene, refinement: int, folder: Path, run: Run) -> Run:
     """
     if is_counted(folder, run):
         return run
-    if any(note.startswith(MODELLED) for note in run.summary.plan):
-        note = f"{NOT_COUNTED}contact is modelled, which the harmonics leave out"
-        return Run(dataclasses.replace(run.summary, plan=(*_other_notes(run), note)), run.path)
     mesh = scene_meridian(scene, refinement)
     tip = Tip(scene, mesh)
     # A dead force on the tip moves the state that pressure starts from.
     at_rest = scene.load.tip_force_n == 0.0
-    return count_run(folder, run, lambda: scene_problem(scene, mesh, MPI.COMM_SELF), tip.mean_mm, at_rest)
+    touching: Callable[[PathRow], bool] | None = None
+    if any(note.startswith(MODELLED) for note in run.summary.plan):
+        touching = partial(may_touch, scene)  # the harmonics know nothing of contact
+    return count_run(folder, run, lambda: scene_problem(scene, mesh, MPI.COMM_SELF), tip.mean_mm, at_rest, touching)
 
 
 def is_counted(folder: Path, run: Run) -> bool:
     """True if a run's counts are there and belong to it."""
     try:
-        known = json.loads((folder / MODES_FILE).read_text(encoding="utf-8"))["content_hash"]
+        record = json.loads((folder / MODES_FILE).read_text(encoding="utf-8"))
+        known, counted = record["content_hash"], record["counted_kpa"]
     except (OSError, ValueError, KeyError):
         return False
-    asked = [row for row in run.path if row.status == "asked"]
+    asked = [row for row in run.path if row.status == "asked" and row.pressure_kpa in counted]
     return known == run.summary.content_hash and all(row.unstable_by_m for row in asked)
 
 
@@ -138,6 +140,7 @@ def count_run(
     make_problem: Callable[[], Problem],
     tip_mm: Callable[[State], float] | None,
     at_rest: bool,
+    touching: Callable[[PathRow], bool] | None = None,
 ) -> Run:
     """Count the modes of a run's kept states, and write what comes out beside them.
 
@@ -151,6 +154,8 @@ def count_run(
         Elongation of a state; None if there is no tip.
     at_rest
         True if the path starts from the unloaded state, which is stable.
+    touching
+        States in contact, which are not counted.
 
     Returns
     -------
@@ -159,13 +164,14 @@ def count_run(
     """
     start = time.perf_counter()
     try:
-        counts, found, shapes = _count(folder, run, make_problem(), tip_mm, at_rest)
+        open_rows = [row for row in run.path if row.status == "asked" and not (touching and touching(row))]
+        counts, found, shapes = _count(folder, run, open_rows, make_problem(), tip_mm, at_rest)
     except (SolverError, StepFailed) as error:
         summary = dataclasses.replace(run.summary, plan=(*_other_notes(run), f"{NOT_COUNTED}{error}"))
         write_summary(folder, summary)
         return Run(summary, run.path)
     rows = tuple(
-        dataclasses.replace(row, unstable_by_m=counts_text(counts[row.pressure_kpa])) if row.status == "asked" else row
+        dataclasses.replace(row, unstable_by_m=counts_text(counts[row.pressure_kpa])) if row in open_rows else row
         for row in run.path
     )
     for waves, content in shapes.items():
@@ -175,7 +181,8 @@ def count_run(
     write_summary(folder, summary)
     entries = [{k: None if v != v else v for k, v in asdict(c).items()} for c in found]
     seconds = time.perf_counter() - start
-    record = {"content_hash": summary.content_hash, "waves": list(WAVES), "seconds": seconds, "crossings": entries}
+    record: dict[str, Any] = {"content_hash": summary.content_hash, "waves": list(WAVES), "seconds": seconds}
+    record |= {"counted_kpa": list(counts), "crossings": entries}
     write_text_atomically(folder / MODES_FILE, json.dumps(record, indent=1, allow_nan=False) + "\n")
     return Run(summary, rows)
 
@@ -197,7 +204,12 @@ def _note(crossing: FoundCrossing) -> str:
 
 
 def _count(
-    folder: Path, run: Run, problem: Problem, tip_mm: Callable[[State], float] | None, at_rest: bool
+    folder: Path,
+    run: Run,
+    rows: Sequence[PathRow],
+    problem: Problem,
+    tip_mm: Callable[[State], float] | None,
+    at_rest: bool,
 ) -> tuple[dict[float, tuple[int, ...]], list[FoundCrossing], dict[int, bytes]]:
     """Counts by asked pressure (kPa), crossings, and the files of their shapes."""
     points, counts, by_pressure = [], [], {}
@@ -205,9 +217,7 @@ def _count(
         points.append(PathPoint(problem.zero_state(), problem.cavity_volume(), math.nan, 0))
         counts.append((0,) * len(WAVES))
     counter = ModeCounter(problem)
-    for row in run.path:
-        if row.status != "asked":
-            continue
+    for row in rows:
         saved = load_state(folder, run.summary.content_hash, 1e-3 * row.pressure_kpa)
         if saved is None:
             raise SolverError(f"{folder}: the state at {row.pressure_kpa:g} kPa is missing or damaged: run it again")
@@ -231,13 +241,14 @@ def _count(
 
 
 def _found(crossing: ModeCrossing, problem: Problem, tip_mm: Callable[[State], float] | None) -> FoundCrossing:
-    """A crossing in figures; the problem holds its state."""
+    """A crossing in figures; the problem holds its state. Of a vacuum, pressures are negative and volumes are not."""
+    sense = -1.0 if problem.surfaces.suction is not None else 1.0
     return FoundCrossing(
         waves=crossing.waves,
-        pressure_kpa=1e3 * crossing.pressure_mpa,
+        pressure_kpa=1e3 * sense * crossing.pressure_mpa,
         within_kpa=1e3 * crossing.within_mpa,
-        volume_mm3=crossing.volume_mm3,
-        volume_ratio=crossing.volume_mm3 / problem.volume_unit_mm3,
+        volume_mm3=sense * crossing.volume_mm3,
+        volume_ratio=sense * crossing.volume_mm3 / problem.volume_unit_mm3,
         before=crossing.before,
         after=crossing.after,
         tip_mm=math.nan if tip_mm is None else tip_mm(crossing.state),

@@ -34,6 +34,7 @@ STUDY: Final = (
     *(_SCENES / f"heung-{name}.toml" for name in ("t1-ri5", "t1-ri7", "t2-ri5", "t2-ri7")),
     _SCENES / "blocked-t2-ri5.toml",
     *(_SCENES / "modes" / f"{name}.toml" for name in ("blocked-t1-ri5", "blocked-short", "tube-clamped")),
+    *sorted((_SCENES / "modes").glob("vacuum-*.toml")),  # to where their folds touch
 )
 # Of these the first crossing is confirmed on the whole body in 3D.
 CONFIRMED: Final = ("blocked-short", "tube-clamped")
@@ -181,7 +182,7 @@ def _spread(values: Sequence[float], order: float) -> Convergence:
 
 def _none_up_to(run: Run) -> str:
     asked = [r.pressure_kpa for r in run.path if r.unstable_by_m]
-    return f"none up to {max(asked):.6g} kPa" if asked else "not counted"
+    return f"none up to {max(asked, key=abs):.6g} kPa" if asked else "not counted"
 
 
 def run_study(

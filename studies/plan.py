@@ -107,7 +107,9 @@ def make_plan(
     chosen: Rung = rung or ("full3d" if off_axis else "axisymmetric")
     if rung is None and not off_axis:
         skipped.append(
-            "closed form as the answer: its error is not bounded, so it cannot promise "
+            "closed form: it has no vacuum"
+            if scene.load.sense < 0.0
+            else "closed form as the answer: its error is not bounded, so it cannot promise "
             f"{scene.ask.tolerance_percent:g} %; it is computed beside the finite elements"
         )
         skipped.append(
@@ -138,6 +140,8 @@ def make_plan(
         )
     if scene.geometry.tip == "rigid":
         skipped.append('the cap: a rigid plate bonded to the distal collar (geometry.tip = "cap" solves it)')
+    watched = chosen == "axisymmetric" and scene.contact.model == "auto" and scene.rings.model in ("rigid", "none")
+    skipped.append("contact: modelled from the first touch on" if watched else "contact: not modelled here")
     choice = choose(scene, chosen) if knows(scene) else None
     stop_when_met = not every_level and (rung is None or chosen != "axisymmetric")
     levels: tuple[int, ...] = MERIDIAN_LEVELS
@@ -166,7 +170,8 @@ def describe(scene: Scene, plan: Plan) -> str:
     """The plan as text for a terminal."""
     lines = [f"{scene.name}: {scene.title}", f"answer: {plan.rung}"]
     pressures = ", ".join(f"{p:g}" for p in scene.load.pressure_kpa)
-    lines.append(f"  closed form at {pressures} kPa")
+    if scene.load.sense > 0.0:
+        lines.append(f"  closed form at {pressures} kPa")
     for level in plan.meridian_levels:
         maybe = " (only if needed)" if plan.stop_when_met and level in plan.meridian_levels[2:] else ""
         lines.append(f"  axisymmetric, meridian level r{level}: path from 0 through {pressures} kPa{maybe}")

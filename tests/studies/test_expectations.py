@@ -10,7 +10,7 @@ from mpi4py import MPI
 
 from studies import provenance
 from studies.expectations import CHECKED_ERROR, PREDICTED_ERROR, PREDICTED_WORK, WORK
-from studies.plan import make_plan
+from studies.plan import describe, make_plan
 from studies.progress import Progress
 from studies.scene import Scene, load_scene
 from studies.session import SceneResult, read_scene_folder, run_plan
@@ -80,3 +80,13 @@ def test_a_folder_read_back_tells_the_same(tmp_path: Path) -> None:
         text = text.replace(old, new)
     made = run_plan(scene, text, make_plan(scene), tmp_path, MPI.COMM_WORLD, Progress(MPI.COMM_WORLD))
     assert read_scene_folder(tmp_path).remark == made.remark != ""
+
+
+def test_a_plan_says_what_it_does_about_contact_and_vacuum() -> None:
+    scene = short_bellows(1.0)
+    text = describe(scene, make_plan(scene))
+    assert "closed form at 4 kPa" in text and "contact: modelled from the first touch on" in text
+    assert "contact: not modelled here" in describe(scene, make_plan(scene, "full3d"))
+    evacuated = scene.model_copy(update={"load": scene.load.model_copy(update={"pressure_kpa": [-0.1]})})
+    text = describe(evacuated, make_plan(evacuated))
+    assert "closed form at" not in text and "closed form: it has no vacuum" in text
