@@ -15,6 +15,7 @@ from analytical.bellows import BellowsDimensions, BellowsError, with_seat
 from analytical.bellows_loads import held_tip
 from analytical.chains import ClosedFormPath, closed_form, closed_form_balanced, closed_form_printed
 from analytical.materials import Law
+from studies.error_model import AROUND, cells_of
 from studies.levels import body_level, fineness
 from studies.rows import FOLDED_BACK, REACHED, Row, row
 from studies.run_log import Run
@@ -148,7 +149,7 @@ def _rows_at(
     for run in [*sector, *full3d]:
         value = tip_at(run, pressure, quantity)
         base = tip_at(_on_meridian(run, axisymmetric), pressure, quantity)
-        error_around = _error_around(run, [*sector, *full3d], base, pressure, quantity)
+        error_around = _error_around(scene, run, [*sector, *full3d], base, pressure, quantity)
         add(run.summary.rung, value, run.summary.level, meridian.uncertainty(base) + error_around, _status(run, value))
     if printed is not None and math.isclose(pressure, paper.PRINTED_PRESSURE_KPA):
         add("paper_closed_form", 10.0 * printed.closed_form_cm)
@@ -171,12 +172,15 @@ def _on_meridian(run: Run, axisymmetric: Sequence[Run]) -> Run | None:
     return next((r for r in axisymmetric if r.summary.level == level), None)
 
 
-def _error_around(run: Run, bodies: Sequence[Run], base: float, pressure: float, quantity: TipQuantity) -> float:
+def _error_around(
+    scene: Scene, run: Run, bodies: Sequence[Run], base: float, pressure: float, quantity: TipQuantity
+) -> float:
     """What the cells round the circumference leave of error in a body's tip.
 
     From three numbers of cells round on one meridian, of which one is the body's own; it hardly depends on the
     meridian, and a sector's tip is that of the whole with as many. Else three times the difference to the axisymmetric
-    tip on the body's meridian, to which more cells round would lead.
+    tip on the body's meridian, to which more cells round would lead; with a core off the axis they would not, and it is
+    three times what the error model expects of as many cells.
     """
     level = body_level(run.summary.level)
     for meridian in dict.fromkeys([level.meridian, *(body_level(r.summary.level).meridian for r in bodies)]):
@@ -188,7 +192,10 @@ def _error_around(run: Run, bodies: Sequence[Run], base: float, pressure: float,
         if len(alike) >= 3 and level.around in alike:
             found = tip_convergence(list(alike.values()), pressure, AROUND_ORDER, quantity)
             return found.uncertainty(tip_at(alike[level.around], pressure, quantity))
-    return SAFETY_IN_DOUBT * abs(tip_at(run, pressure, quantity) - base)
+    tip = tip_at(run, pressure, quantity)
+    if scene.geometry.eccentricity:
+        return SAFETY_IN_DOUBT * 0.01 * AROUND[cells_of(scene)].at(level.around) * abs(tip)
+    return SAFETY_IN_DOUBT * abs(tip - base)
 
 
 def _checks(scene: Scene, run: Run, pressure: float) -> list[Row]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from studies.compare import MERIDIAN_ORDER, tip_convergence
+from studies.compare import MERIDIAN_ORDER, scene_rows, tip_convergence
 from tests.studies.paper_demo import make_run, scene_of
 
 FIRST = "heung-t1-ri5"
@@ -22,3 +22,16 @@ def test_two_meshes_whose_tips_cross_keep_the_largest_difference_of_the_way() ->
     # nominal order 2, ratio 2: a third of the difference, three times
     assert tip_convergence(runs[:2], 20.0, MERIDIAN_ORDER).uncertainty(100.0) == pytest.approx(0.004 * 100.0)
     assert tip_convergence(runs, 10.0, MERIDIAN_ORDER).uncertainty(50.0) == 0.0  # three meshes speak for themselves
+
+
+def test_the_bend_of_an_eccentric_body_is_not_taken_for_an_error() -> None:
+    centred = scene_of("core", FIRST)
+    scene = centred.model_copy(update={"geometry": centred.geometry.model_copy(update={"eccentricity": 0.1})})
+    meridians = [make_run(scene, "axisymmetric", level, lambda _, p: 5.0 * p) for level in ("r1", "r2", "r4")]
+    body = make_run(scene, "full3d", "n8", lambda _, p: 4.75 * p)  # 5 % shorter for bending
+    at_20 = {
+        case: next(r for r in scene_rows(of, meridians, (), [body]) if (r.rung, r.pressure_kpa) == ("full3d", 20.0))
+        for case, of in (("bent", scene), ("straight", centred))
+    }
+    assert at_20["straight"].uncertainty == pytest.approx(3.0 * 0.05 * 100.0)
+    assert at_20["bent"].uncertainty < 0.01 * at_20["bent"].value
