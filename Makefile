@@ -3,8 +3,11 @@
 .DEFAULT_GOAL := help
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
-PYTHON := .venv/bin/python
-MPIRUN ?= /usr/bin/mpirun
+PY := .venv/bin/python
+# debian-12, debian-13 or wheel; PYTHON=... names the interpreter of the wheel's .venv
+STACK := $(or $(STACK),$(shell packages/stack.sh))
+MPIRUN ?= $(if $(filter wheel,$(STACK)),$(CURDIR)/.venv/bin/mpirun,/usr/bin/mpirun)
+export MPIRUN
 SCENES ?= $(wildcard scenes/*.toml)
 SWEEP ?= sweeps/heung-map.toml
 EXAMPLES ?= paper exact closed-form dimensions sweep stability cost modes branches imperfection contact vacuum verification large
@@ -14,37 +17,42 @@ EXAMPLES ?= paper exact closed-form dimensions sweep stability cost modes branch
 # are 1.4 to 1.7 times as fast on two cores (make benchmark-solver NP=1 and NP=2).
 NP ?= $(shell [ $$(nproc) -ge 2 ] && echo 2 || echo 1)
 ifeq ($(NP),1)
-LAUNCH := $(PYTHON)
+LAUNCH := $(PY)
 OPENBLAS_NUM_THREADS ?= $(shell nproc)
 else
-LAUNCH := $(MPIRUN) -n $(NP) $(PYTHON)
+LAUNCH := $(MPIRUN) -n $(NP) $(PY)
 OPENBLAS_NUM_THREADS ?= 1
 endif
 export OPENBLAS_NUM_THREADS
 
-# Open MPI takes its options from the environment too, so that an mpirun started by a test gets
-# them as well: may run as root (CI), more ranks than cores is no error, and ranks are not tied to
-# a core (two runs side by side would both be tied to core 0).
+# Open MPI 4 and 5 take their options from the environment: may run as root (CI), more ranks than cores is no error, and
+# ranks are not tied to a core (two runs side by side would both be tied to core 0). For children: studies/launch.py.
 ifeq ($(shell id -u),0)
 export OMPI_ALLOW_RUN_AS_ROOT := 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
 endif
 export OMPI_MCA_rmaps_base_oversubscribe ?= 1
 export OMPI_MCA_hwloc_base_binding_policy ?= none
+export PRTE_MCA_rmaps_default_mapping_policy ?= :oversubscribe
+export PRTE_MCA_hwloc_default_binding_policy ?= none
+# On one machine ranks talk through memory; Open MPI 5 complains of networks it cannot use. Not within a batch system.
+ifeq ($(SLURM_JOB_ID)$(PBS_JOBID)$(LSB_JOBID),)
+export OMPI_MCA_btl_tcp_if_include ?= lo
+endif
 
 # Pictures are drawn off-screen, also when DISPLAY is set to something that does not answer.
 export PYVISTA_OFF_SCREEN ?= true
 export VTK_DEFAULT_OPENGL_WINDOW ?= vtkEGLRenderWindow
 
-# Nothing of the user's own may come before Debian's dolfinx and numpy.
+# Nothing of the user's own may come before the stack's dolfinx and numpy.
 export PYTHONNOUSERSITE := 1
 unexport PYTHONPATH PYTHONHOME PETSC_DIR PETSC_ARCH SLEPC_DIR
 
 # --- set-up ---------------------------------------------------------------------------------
 # The stamp's name is a hash of what decides the set-up, and of where it is: git changes file
 # times at every checkout, contents only when they change.
-LISTS := packages/debian.txt packages/requirements.txt packages/setup.sh pyproject.toml
-STAMP := .venv/setup-$(shell { pwd; cat $(LISTS); } | sha256sum | cut -c1-16)
+LISTS := packages/debian.txt packages/stacks/$(STACK).txt packages/setup.sh pyproject.toml
+STAMP := .venv/setup-$(shell { pwd; cat $(LISTS) 2> /dev/null; } | sha256sum | cut -c1-16)
 
 .PHONY: help
 help: ## list the targets
@@ -52,15 +60,15 @@ help: ## list the targets
 	@sed -nE 's/^([a-z-]+):[^#]*## (.*)/  \1\t\2/p' $(MAKEFILE_LIST) | expand -t 26
 
 .PHONY: setup
-setup: ## install what is missing: Debian packages (as root, else prints the command), .venv
-	@packages/setup.sh $(STAMP)
+setup: ## install what is missing: Debian packages (as root), .venv; STACK=wheel: all from PyPI, no root
+	@packages/setup.sh $(STACK) $(STAMP)
 
 $(STAMP):
-	@packages/setup.sh $@
+	@packages/setup.sh $(STACK) $@
 
 .PHONY: check
 check: $(STAMP) ## versions, BLAS, cores and memory of this machine; what is missing
-	@$(PYTHON) packages/check.py
+	@$(PY) packages/check.py
 
 .PHONY: lock
 lock: $(STAMP) ## pin packages/requirements.in anew (after editing it)
@@ -69,22 +77,22 @@ lock: $(STAMP) ## pin packages/requirements.in anew (after editing it)
 # --- tests ----------------------------------------------------------------------------------
 .PHONY: lint
 lint: $(STAMP) ## ruff and mypy
-	$(PYTHON) -m ruff check .
-	$(PYTHON) -m ruff format --check .
-	$(PYTHON) -m mypy analytical meshes solvers studies tests packages/check.py
+	$(PY) -m ruff check .
+	$(PY) -m ruff format --check .
+	$(PY) -m mypy analytical meshes solvers studies tests packages/check.py
 
 .PHONY: format
 format: $(STAMP) ## let ruff fix and format what it can
-	$(PYTHON) -m ruff check --fix .
-	$(PYTHON) -m ruff format .
+	$(PY) -m ruff check --fix .
+	$(PY) -m ruff format .
 
 .PHONY: test
 test: check ## the quick tests
-	$(PYTHON) -m pytest -q -m "not slow"
+	$(PY) -m pytest -q -m "not slow"
 
 .PHONY: test-slow
 test-slow: check ## the slow tests
-	$(PYTHON) -m pytest -q -m slow
+	$(PY) -m pytest -q -m slow
 
 # --- studies --------------------------------------------------------------------------------
 .PHONY: study
@@ -120,12 +128,12 @@ study-modes: check ## modes that break the symmetry: from which pressure on, in 
 
 .PHONY: study-peers
 study-peers: check ## the same bellows in CalculiX, NGSolve, FElupe and the tutorial way; hours -> results/peers
-	$(PYTHON) -m studies.peers.environment
-	$(PYTHON) -m studies.peer_study --out results/peers
+	$(PY) -m studies.peers.environment
+	$(PY) -m studies.peer_study --out results/peers
 
 .PHONY: study-cost
 study-cost: check ## run time against error of every model, mesh and way of stepping -> results/cost
-	$(PYTHON) -m studies.cost_study --out results/cost
+	$(PY) -m studies.cost_study --out results/cost
 
 .PHONY: study-error-model
 study-error-model: check ## fit what meshes leave of error and take of time; ten scenes to check it -> results/error-model
@@ -141,11 +149,11 @@ study-imperfection: check ## actuators whose moulding core sat off the axis: ben
 
 .PHONY: study-contact
 study-contact: check ## contact: exact problems, folds that touch, 1 mm actuators to 80 kPa -> results/contact
-	$(PYTHON) -m studies.contact_study --out results/contact
+	$(PY) -m studies.contact_study --out results/contact
 
 .PHONY: study-vacuum
 study-vacuum: check ## scenes/vacuum: what bellows contract to, with contact of their folds -> results/vacuum
-	$(PYTHON) -m studies.vacuum_study --out results/vacuum
+	$(PY) -m studies.vacuum_study --out results/vacuum
 
 .PHONY: study-smoke
 study-smoke: check ## two convolutions by every model, in a minute -> results/study-smoke
@@ -157,7 +165,7 @@ batch: check ## run SCENES (default scenes/*.toml) -> results/batch
 
 .PHONY: report
 report: check ## render the report of results/paper again from its runs
-	$(PYTHON) -m studies report results/paper
+	$(PY) -m studies report results/paper
 
 .PHONY: study-exact
 study-exact: check ## bodies with exact answers, every model of each -> results/exact
@@ -169,15 +177,15 @@ study-verification: check ## table of every exact and published problem -> resul
 
 .PHONY: study-large
 study-large: check ## direct and iterative linear algebra over size, 25 minutes at most -> results/large
-	$(PYTHON) -m studies.large_study --out results/large --ranks $(NP)
+	$(PY) -m studies.large_study --out results/large --ranks $(NP)
 
 .PHONY: study-closed-form
 study-closed-form: check ## chains, mends, validity, laws and exact solutions -> results/closed-form
-	$(PYTHON) -m studies closed-form --out results/closed-form
+	$(PY) -m studies closed-form --out results/closed-form
 
 .PHONY: benchmark-closed-form
 benchmark-closed-form: check ## evaluations of the closed form per second, one core -> results/benchmark-closed-form
-	OPENBLAS_NUM_THREADS=1 $(PYTHON) -m studies benchmark-closed-form --out results/benchmark-closed-form
+	OPENBLAS_NUM_THREADS=1 $(PY) -m studies benchmark-closed-form --out results/benchmark-closed-form
 
 .PHONY: benchmark-solver
 benchmark-solver: check ## cost of tangent, factor, iteration, warm and cold start; NP ranks -> results/benchmark-solver
@@ -185,7 +193,7 @@ benchmark-solver: check ## cost of tangent, factor, iteration, warm and cold sta
 
 .PHONY: study-dimensions
 study-dimensions: check ## what fits the unprinted dimensions, which three sets are used -> results/dimensions
-	$(PYTHON) -m studies dimensions --out results/dimensions
+	$(PY) -m studies dimensions --out results/dimensions
 
 .PHONY: example
 example: ## keep the reports of EXAMPLES (default: all) from results in docs; field files stay out of git

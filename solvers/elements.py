@@ -9,8 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
-import ufl
-
+from solvers import compat
 from solvers.errors import SolverError
 
 
@@ -41,20 +40,21 @@ class Element:
         SolverError
             For a pair with too many pressures: they oscillate from cell to cell.
         """
-        box = cell.cellname() in ("quadrilateral", "hexahedron")
+        name = compat.cell_name(cell)
+        box = name in ("quadrilateral", "hexahedron")
         enough = self.displacement_degree > 1 and (box or self.pressure != "linear")
         if not enough and self.pressure != "constant":
             raise SolverError(
                 f"{self.name}: displacements of degree {self.displacement_degree} with {self.pressure} pressures "
-                f"are unstable on a {cell.cellname()}: take one of {P2_P1.name}, {P2_P0.name}, {Q2_P1.name}"
+                f"are unstable on a {name}: take one of {P2_P1.name}, {P2_P0.name}, {Q2_P1.name}"
             )
         family, degree = {
             "continuous": ("Lagrange", 1),
             "linear": ("DPC" if box else "DG", 1),
             "constant": ("DG", 0),
         }[self.pressure]
-        displacement = ufl.VectorElement("Lagrange", cell, self.displacement_degree)
-        return ufl.MixedElement([displacement, ufl.FiniteElement(family, cell, degree)])
+        displacement = compat.element("Lagrange", cell, self.displacement_degree, (compat.dimension(cell),))
+        return compat.mixed_element([displacement, compat.element(family, cell, degree)])
 
 
 P2_P1 = Element("P2/P1", 2, "continuous")

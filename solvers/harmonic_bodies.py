@@ -88,7 +88,7 @@ class HarmonicBond:
         mesh = space.mesh
         self._index_map = space.dofmap.index_map
         v, dv = (wave.amplitudes(f(space)[0]) for f in (ufl.TestFunctions, ufl.TrialFunctions))
-        per_cell = fem.FunctionSpace(mesh, ("DG", 0))
+        per_cell = compat.function_space(mesh, ("DG", 0))
         self._cell_map, pick = per_cell.dofmap.index_map, ufl.TestFunction(per_cell)
         scale, at = bonded.grade * wave.weight * kin.position[0], bonded.measure
         self._shifts = [fem.Constant(mesh, np.zeros(3)) for _ in range(2)]

@@ -94,9 +94,9 @@ class Harmonics:
         self.waves = 0
         mesh = self.domain.mesh
         cell = mesh.ufl_cell()
-        displacement = ufl.VectorElement("Lagrange", cell, problem.element.displacement_degree, dim=3)
-        pressure = problem.element.spaces(cell).sub_elements()[1]
-        self.space = fem.FunctionSpace(mesh, ufl.MixedElement([displacement, pressure]))
+        displacement = compat.element("Lagrange", cell, problem.element.displacement_degree, (3,))
+        pressure = compat.sub_elements(problem.element.spaces(cell))[1]
+        self.space = compat.function_space(mesh, compat.mixed_element([displacement, pressure]))
         self.index_map = self.space.dofmap.index_map
         self.owned = self.index_map.size_local
         self.bodies = 0 if problem.bonded is None else problem.bonded.count
@@ -236,8 +236,7 @@ class Harmonics:
     def new_matrix(self) -> PETSc.Mat:
         """Empty matrix with the pattern of every harmonic and the bodies' border."""
         size = self.owned + self.extra
-        indptr, indices = compat.cell_pattern(self.space)
-        pattern = scipy.sparse.csr_matrix((np.ones(len(indices), np.int8), indices, indptr), shape=(self.owned, size))
+        pattern = compat.cell_pattern(self.space)
         pattern.resize((size, size))
         row = [np.repeat(d, MOTIONS) for d in self._coupled]
         column = [

@@ -6,10 +6,9 @@ import io
 from pathlib import Path
 from typing import Any
 
-import basix
 import numpy as np
 
-from solvers.compat import CELL_NAMES
+from solvers.compat import CELL_NAMES, lagrange_at_nodes
 from solvers.domain import FloatArray, MeshArrays
 from solvers.files import write_atomically
 from solvers.state import State, pressure_at_corners
@@ -30,14 +29,6 @@ def _cell_name(mesh: MeshArrays) -> str:
     return CELL_NAMES[mesh.points.shape[1], mesh.cells.shape[1]]
 
 
-def _at_nodes(name: str, degree: int) -> FloatArray:
-    """Lagrange functions of a degree and their gradients at the quadratic nodes, shape (1 + d, nodes, functions)."""
-    cell = basix.cell.string_to_type(name)
-    nodes = basix.create_element(basix.ElementFamily.P, cell, 2, basix.LagrangeVariant.gll_warped).points
-    element = basix.create_element(basix.ElementFamily.P, cell, degree, basix.LagrangeVariant.gll_warped)
-    return np.asarray(element.tabulate(1, nodes))[..., 0]
-
-
 def principal_stretches(mesh: MeshArrays, state: State) -> FloatArray:
     """Principal stretches at the nodes, ascending, averaged over the cells at each node.
 
@@ -53,7 +44,7 @@ def principal_stretches(mesh: MeshArrays, state: State) -> FloatArray:
     ndarray
         Shape (nodes, 3).
     """
-    reference = np.moveaxis(_at_nodes(_cell_name(mesh), 2)[1:], 0, -1)
+    reference = np.moveaxis(lagrange_at_nodes(_cell_name(mesh), 2)[1:], 0, -1)
     sums = np.zeros((len(mesh.points), 3, 3))
     count = np.zeros(len(mesh.points))
     for first in range(0, len(mesh.cells), 20000):  # blocks keep the memory small
@@ -68,7 +59,7 @@ def principal_stretches(mesh: MeshArrays, state: State) -> FloatArray:
 
 def pressure_at_nodes(mesh: MeshArrays, state: State) -> FloatArray:
     """Pressure at all nodes, linear between the corners and averaged there where it jumps, shape (nodes,), MPa."""
-    linear = _at_nodes(_cell_name(mesh), 1)[0]
+    linear = lagrange_at_nodes(_cell_name(mesh), 1)[0]
     corners = linear.shape[1]
     at_corners = pressure_at_corners(state, mesh.cells, corners)
     values = at_corners.copy()

@@ -153,7 +153,7 @@ class Problem:
         mesh = domain.mesh
         self.dimension = mesh.geometry.dim
         self.element = element or usual_element(domain.cell_name)
-        self.space = fem.FunctionSpace(mesh, self.element.spaces(mesh.ufl_cell()))
+        self.space = compat.function_space(mesh, self.element.spaces(mesh.ufl_cell()))
         self.state = fem.Function(self.space)
         self.pressure = fem.Constant(mesh, 0.0)
         self.index_map = self.space.dofmap.index_map
@@ -209,7 +209,7 @@ class Problem:
             self._volume_gradient = compat.compile_form(load.volume_gradient)
             self._traction_load = compat.compile_form(load.traction)
             k = invariants(kin.gradient(ufl.split(self.state)[0]))
-            points = compat.quadrature_points(mesh, degree)
+            points = compat.quadrature_points(domain.cell_name, degree)
             self._check = compat.compile_expression(ufl.as_vector([k.j, k.i1, k.i2]), points)
             self._points = points
 
@@ -291,8 +291,8 @@ class Problem:
             dofs = compat.cell_dofs(self.space.sub(0).sub(i))
             self.u_dofs[geometry[:, : dofs.shape[1]], i] = dofs
         # linear displacements at the quadratic nodes, for callers who expect a value at every node
-        linear = ufl.FiniteElement("Lagrange", mesh.ufl_cell(), 1)
-        self._linear_at_nodes = compat.basis_at(linear, compat.node_positions(mesh))
+        linear = compat.element("Lagrange", mesh.ufl_cell(), 1)
+        self._linear_at_nodes = compat.basis_at(linear, compat.node_positions(self.domain.cell_name))
         on_cells = compat.cell_dofs(self.space.sub(1))
         if self.element.pressure == "continuous":
             self.p_dofs = np.full(count, -1, dtype=np.int64)
@@ -300,8 +300,8 @@ class Problem:
             self.pressure_shape: tuple[int, ...] = (self.domain.nodes,)
         else:
             self.p_dofs = on_cells.astype(np.int64)
-            scalar = self.space.ufl_element().sub_elements()[1]
-            self._p_at_corners = compat.basis_at(scalar, compat.corner_positions(mesh))
+            scalar = compat.sub_elements(self.space.ufl_element())[1]
+            self._p_at_corners = compat.basis_at(scalar, compat.corner_positions(self.domain.cell_name))
             self.pressure_shape = (self.domain.cells, corners)
         self.owned = self.index_map.size_local
         self.local = self.owned + self.index_map.num_ghosts
@@ -311,7 +311,7 @@ class Problem:
 
     def _nodal_function(self, values: FloatArray) -> Any:
         """Quadratic scalar function from values at the caller's nodes."""
-        space = fem.FunctionSpace(self.domain.mesh, ("Lagrange", 2))
+        space = compat.function_space(self.domain.mesh, ("Lagrange", 2))
         function = fem.Function(space)
         geometry = compat.geometry_dofs(self.domain.mesh)
         function.x.array[compat.cell_dofs(space)] = values[self.domain.input_node[geometry]]
@@ -340,7 +340,7 @@ class Problem:
             # a dof is soft if any rank has a soft cell at it: sum on the owner, then back to the ghosts
             touched = fem.Function(self.space)
             touched.x.array[cells[is_soft].ravel()] = 1.0
-            touched.x.scatter_reverse(compat.la.ScatterMode.add)
+            compat.sum_on_owners(touched.x)
             touched.x.scatter_forward()
             soft = touched.x.array > 0.0
             pressure = np.unique(self.p_dofs[self.p_dofs >= 0])
@@ -408,8 +408,8 @@ class Problem:
         total = self.index_map.size_global
         size = total + self.extra
         last = self.comm.rank == self.comm.size - 1
-        indptr, indices = compat.cell_pattern(self.space)
-        pattern = scipy.sparse.csr_matrix((np.ones(len(indices), np.int8), indices, indptr), shape=(self.owned, size))
+        pattern = compat.cell_pattern(self.space)
+        pattern.resize((self.owned, size))
         if self.bonded is not None:
             row = np.concatenate([np.repeat(d, self.modes) for d in self._coupled])
             column = np.concatenate(
@@ -552,7 +552,7 @@ class Problem:
         """Smallest det F and largest isochoric I1 and I2 over all quadrature points (NaN-safe)."""
         with self.timer("checks"):
             cells = np.arange(self.domain.mesh.topology.index_map(self.dimension).size_local, dtype=np.int32)
-            values = self._check.eval(cells).reshape(-1, 3)
+            values = compat.evaluate(self._check, self.domain.mesh, cells).reshape(-1, 3)
             j, i1, i2 = np.inf, 0.0, 0.0
             if len(values):
                 j = float(np.min(values[:, 0])) if np.isfinite(values).all() else -np.inf
@@ -567,14 +567,20 @@ class Problem:
         """The smallest det F, and where its quadrature point is in the unloaded body."""
         here = compat.compile_expression(ufl.SpatialCoordinate(self.domain.mesh), self._points)
         cells = np.arange(self.domain.mesh.topology.index_map(self.dimension).size_local, dtype=np.int32)
-        values = self._check.eval(cells).reshape(-1, 3)[:, 0]
+        values = compat.evaluate(self._check, self.domain.mesh, cells).reshape(-1, 3)[:, 0]
         values = np.where(np.isfinite(values), values, -np.inf)
         found = []
         if len(values):
             worst = int(np.argmin(values))
             tags = self.domain.cell_tags
             region = int(tags.values[tags.indices == worst // len(self._points)][0])
-            found = [(float(values[worst]), here.eval(cells).reshape(-1, self.dimension)[worst], region)]
+            found = [
+                (
+                    float(values[worst]),
+                    compat.evaluate(here, self.domain.mesh, cells).reshape(-1, self.dimension)[worst],
+                    region,
+                )
+            ]
         det_f, at, region = min((f for part in self.comm.allgather(found) for f in part), key=lambda f: f[0])
         names = ("r", "z") if self.domain.axisymmetric else ("x", "y", "z")
         place = ", ".join(f"{name} = {value:.2f}" for name, value in zip(names, at, strict=True))

@@ -111,9 +111,9 @@ class BondedBodies:
         normal = fem.Constant(mesh, bodies.normal_mpa_per_mm)
         tangential = fem.Constant(mesh, bodies.tangential_mpa_per_mm)
 
-        self._translation = fem.Function(fem.VectorFunctionSpace(mesh, ("DG", 0), dim=3))
-        self._rotation = fem.Function(fem.TensorFunctionSpace(mesh, ("DG", 0), shape=(3, 3)))
-        centre = fem.Function(fem.VectorFunctionSpace(mesh, ("DG", 0), dim=3))
+        self._translation = fem.Function(compat.function_space(mesh, ("DG", 0), (3,)))
+        self._rotation = fem.Function(compat.function_space(mesh, ("DG", 0), (3, 3)))
+        centre = fem.Function(compat.function_space(mesh, ("DG", 0), (3,)))
         axial = 1 if domain.axisymmetric else 2
         for body, cells in enumerate(self.cells):
             centre.x.array.reshape(-1, 3)[cells, axial] = bodies.centres_mm[body]
@@ -148,7 +148,7 @@ class BondedBodies:
         self.energy = 0.5 * ufl.inner(pull, slip) * weight * measure
         self.force = ufl.inner(pull, back * v) * weight * measure
         self.stiffness = ufl.inner(traction(back * du), back * v) * weight * measure
-        per_cell = fem.FunctionSpace(mesh, ("DG", 0))
+        per_cell = compat.function_space(mesh, ("DG", 0))
         pick = ufl.TestFunction(per_cell)
         self._cell_map = per_cell.dofmap.index_map
         column = (ufl.inner(traction(first(0)), back * v) - ufl.inner(pull, ufl.cross(s0, back * v))) * weight * measure

@@ -25,7 +25,7 @@ from pathlib import Path
 import click
 import tomlkit
 
-from studies import cost_cell, cost_cells, provenance
+from studies import cost_cell, cost_cells, launch, provenance
 from studies.cost_cells import (
     COMPILED,
     SCENES,
@@ -83,23 +83,6 @@ def batch_key(batch: Batch, texts: Sequence[str]) -> str:
 def _key(*content: object) -> str:
     text = json.dumps([*content, provenance.code_hash(), provenance.machine()], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
-
-
-def launch(ranks: int, threads: int, arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
-    """Command line and environment of a Python module's process on so many ranks and BLAS threads."""
-    command = [sys.executable, "-m", *arguments]
-    if ranks > 1:
-        command = ["mpirun", "-n", str(ranks), *command]
-    # started under mpirun itself, this process's own ranks are none of the child's
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_COMM", "PMIX_"))}
-    environment |= {
-        "OPENBLAS_NUM_THREADS": str(threads),
-        "OMPI_MCA_rmaps_base_oversubscribe": "1",
-        "OMPI_MCA_hwloc_base_binding_policy": "none",
-    }
-    if os.geteuid() == 0:
-        environment |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-    return command, environment
 
 
 @dataclass(frozen=True)
@@ -168,8 +151,8 @@ def _compiled(cache: Path) -> int:
 def _measure_once(cell: Cell, cache: Path, limit_s: float) -> Measurement:
     """One run with a folder of compiled forms."""
     with tempfile.TemporaryDirectory(prefix="cost-") as folder:
-        arguments = ["studies.cost_cell", json.dumps(asdict(cell)), "--out", folder]
-        command, environment = launch(cell.ranks, cell.threads, arguments)
+        arguments = ("-m", "studies.cost_cell", json.dumps(asdict(cell)), "--out", folder)
+        command, environment = launch.on_ranks(cell.ranks, *arguments), launch.environment(cell.threads)
         ended = run_process(command, environment | {"XDG_CACHE_HOME": str(cache)}, limit_s)
     lines = [line for line in ended.out.splitlines() if line.startswith("{")]
     if ended.code == 0 and lines:
@@ -187,10 +170,9 @@ def measure_batch(batch: Batch, texts: Sequence[str], limit_s: float = LIMIT_S) 
         for k, text in enumerate(texts):
             files.append(Path(name) / f"{k}.toml")
             files[-1].write_text(text, encoding="utf-8")
-        arguments = ["studies", "batch", *map(str, files), "--out", f"{name}/out", "--rung", batch.rung]
+        arguments = ["-m", "studies", "batch", *map(str, files), "--out", f"{name}/out", "--rung", batch.rung]
         arguments += ["--ranks-per-scene", str(batch.ranks_per_scene)]
-        command, environment = launch(2, 1, arguments)
-        ended = run_process(command, environment, limit_s)
+        ended = run_process(launch.on_ranks(2, *arguments), launch.environment(), limit_s)
     return _costs_only(ended, "reached" if ended.code == 0 else f"failed: exit code {ended.code}")
 
 

@@ -9,9 +9,7 @@ from __future__ import annotations
 import json
 import math
 import os
-import shutil
 import subprocess
-import sys
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -20,12 +18,11 @@ from typing import Final
 
 import click
 
-from studies import provenance
+from studies import launch, provenance
 from studies.large_cell import LargeCell, Method
 from studies.large_report import power_law, render_large
 from studies.results import write_text_atomically
 from studies.rows import Row, row, write_rows
-from studies.stability_study import OF_MPIRUN
 
 METHODS: Final[tuple[Method, ...]] = ("direct", "iterative")
 POINTS_FOLDER: Final = "points"
@@ -144,13 +141,8 @@ def _measured(out: Path, size: Size, method: Method, ranks: int, seconds: float)
     file = _file(out, size, method, ranks)
     file.parent.mkdir(parents=True, exist_ok=True)
     scene = provenance.ROOT / "scenes" / f"{size.scene}.toml"
-    command = [sys.executable, "-m", "studies.large_cell", str(scene), str(size.around), str(size.refinement)]
-    command += [method, str(file)]
-    if ranks > 1:
-        mpirun = shutil.which(os.environ.get("MPIRUN", "mpirun")) or "mpirun"
-        command = [mpirun, "-n", str(ranks), *command]
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("PMIX_", "PRTE_"))}
-    environment |= {"OPENBLAS_NUM_THREADS": "1", **OF_MPIRUN}
+    cell = (str(scene), str(size.around), str(size.refinement), method, str(file))
+    command, environment = launch.on_ranks(ranks, "-m", "studies.large_cell", *cell), launch.environment()
     try:
         done = subprocess.run(
             command, cwd=provenance.ROOT, env=environment, capture_output=True, text=True, timeout=seconds, check=False

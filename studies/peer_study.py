@@ -26,7 +26,7 @@ from typing import Any
 import click
 from mpi4py import MPI
 
-from studies import provenance
+from studies import launch, provenance
 from studies.peer_fronts import Point, floored, lasting, ratio_at_equal_error, ratio_to_fastest
 from studies.peers import environment
 from studies.peers.exchange import Cells, Level, write_peer_mesh
@@ -43,7 +43,6 @@ REFERENCE_LEVELS = (4, 8)
 # The reference is known to this, percent: what the finest triangles with meshed rings and the finest quadrilaterals
 # with rigid ones differ by, with room (0.0125 at 10 kPa on r8).
 REFERENCE_PERCENT = 0.02
-TWO_RANKS = ("/usr/bin/mpirun", "-n", "2")
 
 
 @dataclass(frozen=True)
@@ -289,11 +288,11 @@ class Study:
             lines = lines_to_write(scene)
             for trial in ("warm", "timed"):
                 out = Path(folder, trial)
-                command = [sys.executable, "-m", "studies", "solve", str(scene), "--out", str(out)]
-                command += ["--rung", options["rung"]] if options["rung"] else []
-                command = [*TWO_RANKS, *command] if ranks == 2 else command
+                arguments = ["-m", "studies", "solve", str(scene), "--out", str(out)]
+                arguments += ["--rung", options["rung"]] if options["rung"] else []
+                command = launch.on_ranks(ranks, *arguments)
                 before = _cpu_seconds()
-                code, wall, output, errors = timed(command, _variables(2 // ranks), self.limit_s)
+                code, wall, output, errors = timed(command, _environment(2 // ranks), self.limit_s)
                 cpu = _cpu_seconds() - before
                 if code != 0:
                     reason = _why(code, wall, errors or output)
@@ -321,28 +320,21 @@ def _scene_text(text: str, options: dict[str, Any]) -> str:
     return "\n".join(new) + "\n"
 
 
-def _variables(threads: int) -> dict[str, str]:
-    """Environment of a child: threads, and MPI as root."""
-    return {
-        "OPENBLAS_NUM_THREADS": str(threads),
-        "OMP_NUM_THREADS": str(threads),
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-        "OMPI_MCA_rmaps_base_oversubscribe": "1",
-        "OMPI_MCA_hwloc_base_binding_policy": "none",
-    }
+def _environment(threads: int) -> dict[str, str]:
+    """Environment of a child with so many threads."""
+    return {**launch.environment(threads), "OMP_NUM_THREADS": str(threads)}
 
 
 def peer_command(code: str, mesh: Path, options: dict[str, Any]) -> tuple[list[str], dict[str, str]]:
     """Command and environment of a peer's run on two cores."""
     arguments = [str(mesh), json.dumps(options)]
     if code.startswith("dolfinx"):
-        variables = _variables(1)
+        variables = _environment(1)
         if code.endswith("default_blas"):
             variables["LD_LIBRARY_PATH"] = str(environment.reference_blas())
-        return [*TWO_RANKS, sys.executable, "-m", "studies.peers.dolfinx_tutorial", *arguments], variables
+        return launch.on_ranks(2, "-m", "studies.peers.dolfinx_tutorial", *arguments), variables
     python = sys.executable if code == "calculix" else str(environment.peers_python())
-    return [python, str(script_of(code)), *arguments], _variables(2)
+    return [python, str(script_of(code)), *arguments], _environment(2)
 
 
 def timed(command: Sequence[str], variables: dict[str, str], limit_s: float) -> tuple[int | None, float, str, str]:
@@ -351,7 +343,7 @@ def timed(command: Sequence[str], variables: dict[str, str], limit_s: float) -> 
     child = subprocess.Popen(
         list(command),
         cwd=provenance.ROOT,
-        env={**{k: v for k, v in os.environ.items() if not k.startswith(("OMPI_COMM", "PMIX_"))}, **variables},
+        env=variables,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -91,7 +91,7 @@ def code_hash() -> str:
     Of ``analytical`` they know the material laws only, which a test of the layout keeps.
     """
     digest = hashlib.sha256()
-    files = sorted(p for folder in ("meshes", "solvers") for p in (ROOT / folder).glob("*.py"))
+    files = sorted(p for folder in ("meshes", "solvers") for p in (ROOT / folder).rglob("*.py"))
     files.append(ROOT / "analytical" / "materials.py")
     studies = (
         "build.py",

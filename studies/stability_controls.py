@@ -29,9 +29,8 @@ class TooManyPressures(Element):
     def spaces(self, cell: Any) -> Any:
         """The mixed UFL element without a check."""
         degree = self.displacement_degree
-        return ufl.MixedElement(
-            [ufl.VectorElement("Lagrange", cell, degree), ufl.FiniteElement("Lagrange", cell, degree)]
-        )
+        displacement = compat.element("Lagrange", cell, degree, (compat.dimension(cell),))
+        return compat.mixed_element([displacement, compat.element("Lagrange", cell, degree)])
 
 
 # On triangles P1/P1, on quadrilaterals Q1/Q1.

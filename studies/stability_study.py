@@ -6,9 +6,7 @@ interrupted one goes on where it was.
 
 from __future__ import annotations
 
-import os
 import pickle
-import shutil
 import subprocess
 import sys
 import time
@@ -21,7 +19,7 @@ import threadpoolctl
 from mpi4py import MPI
 
 from solvers.files import write_atomically
-from studies import provenance
+from studies import launch, provenance
 from studies.results import write_text_atomically
 from studies.stability_cells import Bellows, Cell, cells, controls
 from studies.stability_report import Result, write_report
@@ -41,14 +39,6 @@ CELLS_FOLDER: Final = "cells"
 REFERENCES_FOLDER: Final = "references"
 # A child that runs cells on other numbers of ranks or threads takes seconds; this long means it hangs.
 CHILD_LIMIT_S: Final = 600.0
-# As in the Makefile: may run as root, with more ranks than cores, not tied to a core.
-OF_MPIRUN: Final = {
-    "OMPI_ALLOW_RUN_AS_ROOT": "1",
-    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-    "OMPI_MCA_rmaps_base_oversubscribe": "1",
-    "OMPI_MCA_hwloc_base_binding_policy": "none",
-    "OMPI_MCA_mpi_yield_when_idle": "1",
-}
 
 Kept = TypeVar("Kept")
 Task = tuple[Bellows, tuple[float, ...]]
@@ -189,27 +179,14 @@ def _by_child(
         work.append((cell, _reference_for(folder, cell, tasks), single.value_mm))
     order = folder / f"ranks-{ranks}-{threads}.pickle"
     write_atomically(order, pickle.dumps(work))
-    # A child of an MPI rank must not believe that it is one.
-    clean = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
-    clean |= {"OPENBLAS_NUM_THREADS": str(threads), **OF_MPIRUN}
-    mpirun = shutil.which(os.environ.get("MPIRUN", "mpirun"))
-    command = [
-        mpirun or "mpirun",
-        "-n",
-        str(ranks),
-        sys.executable,
-        "-m",
-        "studies.stability_study",
-        str(folder),
-        str(order),
-    ]
-    why = "no mpirun was found" if mpirun is None else ""
+    command = launch.on_ranks(ranks, "-m", "studies.stability_study", str(folder), str(order))
+    why = "no mpirun was found" if launch.launcher() is None else ""
     if not why:
         try:
             done = subprocess.run(
                 command,
                 cwd=provenance.ROOT,
-                env=clean,
+                env=launch.environment(threads),
                 capture_output=True,
                 text=True,
                 timeout=CHILD_LIMIT_S,

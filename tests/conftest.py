@@ -8,17 +8,21 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: small system
 
 import dataclasses
 import functools
+import json
+import subprocess
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+import solvers  # noqa: F401 - before dolfinx, PETSc and MPI, see there
 from meshes.bellows import BellowsShape
 from meshes.cells import HEXAHEDRON_NODES, QUADRILATERAL_NODES
 from meshes.meridian import Resolution, meridian_mesh
 from meshes.revolve import revolve
 from meshes.solid import TETRAHEDRON_EDGES, TRIANGLE_EDGES, SolidMesh
+from studies import launch
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -35,6 +39,38 @@ def root() -> Path:
 def sides() -> SimpleNamespace:
     """Facet numbers: y_plane is y = 0 and x_plane is x = 0 of a quarter ring."""
     return SIDES
+
+
+# ---- child processes -------------------------------------------------------------------------------------
+
+
+def _start(ranks: int, *arguments, **options) -> subprocess.Popen:
+    command = launch.on_ranks(ranks, *map(str, arguments))
+    environment = {**launch.environment(), "PYTHONPATH": str(ROOT)}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, **options}
+    return subprocess.Popen(command, cwd=ROOT, env=environment, **pipes)
+
+
+def _finish(process: subprocess.Popen) -> str:
+    out, errors = process.communicate(timeout=280)
+    assert process.returncode == 0, (out or "") + errors[-2000:]
+    return out
+
+
+@pytest.fixture(scope="session")
+def python() -> SimpleNamespace:
+    """Python in a child on so many ranks: ``start(ranks, *arguments)``, ``finish(process)``, or ``run`` for both.
+
+    What ends well gives its standard output; ``answer`` runs and reads the JSON of the last line.
+    """
+
+    def run(ranks: int, *arguments) -> str:
+        return _finish(_start(ranks, *arguments))
+
+    def answer(ranks: int, *arguments):
+        return json.loads(run(ranks, *arguments).splitlines()[-1])
+
+    return SimpleNamespace(start=_start, finish=_finish, run=run, answer=answer)
 
 
 # ---- bodies --------------------------------------------------------------------------------------------

@@ -14,10 +14,12 @@ from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem, nls
+from dolfinx import fem
+from dolfinx.nls.petsc import NewtonSolver
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from solvers import compat
 from solvers.domain import create_domain
 
 comm = MPI.COMM_WORLD
@@ -47,7 +49,8 @@ ds = ufl.Measure("ds", mesh, subdomain_data=domain.facet_tags, metadata=metadata
 
 # --- problem --------------------------------------------------------------------------------------------
 cell = mesh.ufl_cell()
-W = fem.FunctionSpace(mesh, ufl.VectorElement("Lagrange", cell, 2) * ufl.FiniteElement("Lagrange", cell, 1))
+taylor_hood = compat.mixed_element([compat.element("Lagrange", cell, 2, (gdim,)), compat.element("Lagrange", cell, 1)])
+W = compat.function_space(mesh, taylor_hood)
 w = fem.Function(W)
 u, p = ufl.split(w)
 test = ufl.TestFunction(W)
@@ -83,8 +86,7 @@ def held(tag: int, space: Any) -> Any:
 
 
 bcs = [held(2, W.sub(0))] + ([held(3, W.sub(0).sub(0))] if flat else [])
-problem = fem.petsc.NonlinearProblem(residual, w, bcs)
-solver = nls.petsc.NewtonSolver(comm, problem)
+solver = NewtonSolver(comm, compat.newton_problem(residual, w, bcs))
 solver.convergence_criterion = "incremental"
 solver.rtol = 1e-6
 solver.max_it = 25
@@ -112,7 +114,7 @@ for k in range(1, steps + 1):
         reason = f"step {k} of {steps}: not a number"
         break
     iterations, reached = iterations + count, target * k / steps
-space = fem.VectorFunctionSpace(mesh, ("Lagrange", 2))
+space = compat.function_space(mesh, ("Lagrange", 2), (gdim,))
 motion_now = fem.Function(space)
 motion_now.interpolate(w.sub(0).collapse())
 table = np.zeros(len(data["points"]))

@@ -9,13 +9,13 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 from studies.provenance import ROOT
 
 VENV = ROOT / ".venv-peers"
 LISTS = ROOT / "packages" / "peers.txt", ROOT / "packages" / "peers-debian.txt"
-DEBIAN_PYTHON = Path("/usr/bin/python3")
 
 
 def peers_python(venv: Path = VENV) -> Path | None:
@@ -57,7 +57,7 @@ def make() -> list[str]:
     elif wanted and subprocess.run(command, check=False, env=quiet).returncode:
         faults.append(f"failed: {' '.join(command)}")
     if peers_python() is None:
-        subprocess.run([DEBIAN_PYTHON, "-m", "venv", VENV], check=True)
+        subprocess.run([Path(sys.executable).resolve(), "-m", "venv", VENV], check=True)
     pip: list[str | Path] = [VENV / "bin" / "python", "-m", "pip", "--disable-pip-version-check"]
     pip += ["install", "--quiet", "--no-deps"]
     if subprocess.run([*pip, "--requirement", LISTS[0]], check=False).returncode:

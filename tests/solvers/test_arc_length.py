@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import json
-import os
-import shutil
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -175,26 +171,8 @@ def test_restart_after_any_step_is_the_same_to_the_last_bit(pair, tmp_path: Path
             assert a.newton == b.newton
 
 
-@pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun")
-def test_one_and_two_ranks_go_the_same_way(root: Path) -> None:
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
-    environment |= {
-        "OPENBLAS_NUM_THREADS": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-        "OMPI_MCA_rmaps_base_oversubscribe": "1",
-        "OMPI_MCA_hwloc_base_binding_policy": "none",
-        "PYTHONPATH": str(root),
-    }
-    answers = []
-    for ranks in (1, 2):
-        command = ["mpirun", "-n", str(ranks), sys.executable, str(SCRIPT)]
-        done = subprocess.run(
-            command, cwd=root, env=environment, capture_output=True, text=True, timeout=280, check=False
-        )
-        assert done.returncode == 0, done.stderr[-2000:]
-        answers.append(json.loads(done.stdout.splitlines()[-1]))
-    first, second = answers
+def test_one_and_two_ranks_go_the_same_way(python) -> None:
+    first, second = (python.answer(ranks, SCRIPT) for ranks in (1, 2))
     assert (first["ranks"], second["ranks"]) == (1, 2)
     assert first["counts"] == second["counts"] and first["rejected"] == second["rejected"]
     # Newton to 1e-8 of the load, which the plane and the next steps carry on

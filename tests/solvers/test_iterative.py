@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -92,26 +87,8 @@ def test_meridians_are_refused(bellows_problem) -> None:
         IterativeSolver(bellows_problem(2).problem)
 
 
-@pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun")
-def test_one_and_two_ranks_agree_with_the_factor(root: Path) -> None:
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
-    environment |= {
-        "OPENBLAS_NUM_THREADS": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-        "OMPI_MCA_rmaps_base_oversubscribe": "1",
-        "OMPI_MCA_hwloc_base_binding_policy": "none",
-        "OMPI_MCA_mpi_yield_when_idle": "1",
-        "PYTHONPATH": str(root),
-    }
-    answers = []
-    for ranks in (1, 2):
-        command = ["mpirun", "-n", str(ranks), sys.executable, str(SCRIPT)]
-        done = subprocess.run(
-            command, cwd=root, env=environment, capture_output=True, text=True, timeout=280, check=False
-        )
-        assert done.returncode == 0, done.stderr[-2000:]
-        answers.append(json.loads(done.stdout.splitlines()[-1]))
+def test_one_and_two_ranks_agree_with_the_factor(python) -> None:
+    answers = [python.answer(ranks, SCRIPT) for ranks in (1, 2)]
     for answer in answers:
         assert answer["difference"] < 1e-5  # to 1e-6 of the force
     one, two = answers

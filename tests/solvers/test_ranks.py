@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,26 +10,9 @@ import pytest
 SCRIPT = Path(__file__).with_name("ranks_script.py")
 
 
-def run(root: Path, ranks: int, cells: str) -> dict:
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
-    environment |= {
-        "OPENBLAS_NUM_THREADS": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-        "OMPI_MCA_rmaps_base_oversubscribe": "1",
-        "OMPI_MCA_hwloc_base_binding_policy": "none",
-        "PYTHONPATH": str(root),
-    }
-    command = ["mpirun", "-n", str(ranks), sys.executable, str(SCRIPT), cells]
-    done = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True, timeout=280, check=False)
-    assert done.returncode == 0, done.stderr[-2000:]
-    return json.loads(done.stdout.splitlines()[-1])
-
-
-@pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun")
 @pytest.mark.parametrize("cells", ["tetrahedra", "hexahedra"])
-def test_one_and_two_ranks_agree(root: Path, cells: str) -> None:
-    one, two = run(root, 1, cells), run(root, 2, cells)
+def test_one_and_two_ranks_agree(python, cells: str) -> None:
+    one, two = (python.answer(ranks, SCRIPT, cells) for ranks in (1, 2))
     assert (one["ranks"], two["ranks"]) == (1, 2)
     assert one["reached"] and two["reached"]
     for name in ("tip_mm", "volume_mm3", "energy_mj", "reaction_n", "body_mm", "min_det_f"):

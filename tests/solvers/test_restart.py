@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import os
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -22,32 +18,14 @@ SCRIPT = Path(__file__).with_name("restart_script.py")
 ASKED = [0.005, 0.010]
 
 
-def run(root: Path, ranks: int, mode: str, file: Path) -> dict:
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
-    environment |= {
-        "OPENBLAS_NUM_THREADS": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-        "OMPI_MCA_rmaps_base_oversubscribe": "1",
-        "OMPI_MCA_hwloc_base_binding_policy": "none",
-        "PYTHONPATH": str(root),
-    }
-    command = [sys.executable, str(SCRIPT), mode, str(file)]
-    command = ["mpirun", "-n", str(ranks), *command] if ranks > 1 else command
-    done = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True, timeout=280, check=False)
-    assert done.returncode == 0, done.stderr[-2000:]
-    return json.loads(done.stdout.splitlines()[-1]) if mode != "stop" else {}
-
-
-@pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun")
-def test_restart_on_another_number_of_ranks(root: Path, tmp_path: Path) -> None:
+def test_restart_on_another_number_of_ranks(python, tmp_path: Path) -> None:
     file = tmp_path / "checkpoint.npz"
-    whole = run(root, 1, "whole", tmp_path / "unused.npz")
-    run(root, 1, "stop", file)
+    whole = python.answer(1, SCRIPT, "whole", tmp_path / "unused.npz")
+    python.run(1, SCRIPT, "stop", file)
     kept = file.read_bytes()
     for ranks in (1, 2):
         file.write_bytes(kept)
-        found = run(root, ranks, "go", file)
+        found = python.answer(ranks, SCRIPT, "go", file)
         assert (found["ranks"], found["solved"], whole["solved"]) == (ranks, 1, 2)
         assert found["counts"] == whole["counts"]
         for name in ("displacement", "pressure", "bodies", "volume_energy_reaction"):

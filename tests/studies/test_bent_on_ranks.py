@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -16,29 +11,11 @@ SCRIPT = Path(__file__).with_name("bent_script.py")
 SHORT = ROOT / "scenes" / "imperfection" / "short-core-10.toml"
 
 
-@pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun")
-def test_one_and_two_ranks_bend_alike(tmp_path: Path) -> None:
+def test_one_and_two_ranks_bend_alike(python, tmp_path: Path) -> None:
     text = SHORT.read_text(encoding="utf-8").replace("convolutions = 2", "convolutions = 1")
     scene = tmp_path / "mini.toml"
     scene.write_text(text, encoding="utf-8")
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
-    environment |= {
-        "OPENBLAS_NUM_THREADS": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-        "OMPI_MCA_rmaps_base_oversubscribe": "1",
-        "OMPI_MCA_hwloc_base_binding_policy": "none",
-        "PYTHONPATH": str(ROOT),
-    }
-    answers = []
-    for ranks in (1, 2):
-        command = ["mpirun", "-n", str(ranks), sys.executable, str(SCRIPT), str(scene), str(tmp_path / f"out-{ranks}")]
-        done = subprocess.run(
-            command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=900, check=False
-        )
-        assert done.returncode == 0, done.stderr[-2000:]
-        answers.append(json.loads(done.stdout.splitlines()[-1]))
-    one, two = answers
+    one, two = (python.answer(ranks, SCRIPT, scene, tmp_path / f"out-{ranks}") for ranks in (1, 2))
     assert (one["ranks"], two["ranks"]) == (1, 2)
     assert one["status"] == two["status"] == "reached"
     assert one["modes"] == two["modes"] == [0.0, 0.0]

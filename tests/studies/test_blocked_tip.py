@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -100,16 +97,10 @@ def test_rungs_and_tips_agree_on_the_force(write, whole, tip: str) -> None:
     assert row.tip_force_n == pytest.approx(whole[0].tip_force_n, rel=2e-2)
 
 
-def test_two_ranks_find_the_same_force(write, whole) -> None:
+def test_two_ranks_find_the_same_force(python, write, whole) -> None:
     scene = write("plate", 'tip = "blocked"')
     out = scene.parent / "ranks"
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
-    environment |= {"OPENBLAS_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-    command = ["mpirun", "-n", "2", sys.executable, "-m", "studies", "solve", str(scene), "--out", str(out)]
-    done = subprocess.run(
-        [*command, "--rung", "full3d"], cwd=ROOT, env=environment, capture_output=True, text=True, timeout=280
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
+    python.run(2, "-m", "studies", "solve", scene, "--out", out, "--rung", "full3d")
     assert read_summary(out).ranks == 2
     one, two = whole[0], read_path(out)[-1]
     for name in ("tip_force_n", "reaction_n", "volume_mm3", "energy_mj"):

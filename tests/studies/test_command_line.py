@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -243,18 +240,11 @@ def test_loss_of_stability_is_in_the_summary_with_its_mode(small_scene, tmp_path
     assert grid.point_data["mode_mm"].shape == (grid.n_points, 3)
 
 
-def test_batch_shares_scenes_over_ranks(small_scene, tmp_path):
+def test_batch_shares_scenes_over_ranks(python, small_scene, tmp_path):
     second = tmp_path / "second.toml"
     second.write_text(small_scene.read_text().replace('name = "small"', 'name = "second"'), encoding="utf-8")
     out = tmp_path / "out"
-    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
-    if os.geteuid() == 0:
-        environment |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-    command = ["mpirun", "-n", "2", sys.executable, "-m", "studies", "batch", str(small_scene), str(second)]
-    done = subprocess.run(
-        [*command, "--out", str(out)], cwd=ROOT, env=environment, capture_output=True, text=True, timeout=280
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
+    python.run(2, "-m", "studies", "batch", small_scene, second, "--out", out)
     small, other = read_path(out / "small"), read_path(out / "second")
     # the same problem solved by another process of the same build: equal to the last digits written
     assert [r.tip_mm for r in small] == pytest.approx([r.tip_mm for r in other], rel=1e-10)

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import random
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -28,26 +26,6 @@ def scene(tmp_path_factory) -> Path:
     return path
 
 
-def start(scene: Path, out: Path, rung: str, ranks: int = 1) -> subprocess.Popen:
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
-    environment |= {
-        "OPENBLAS_NUM_THREADS": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-        "OMPI_MCA_rmaps_base_oversubscribe": "1",
-        "OMPI_MCA_hwloc_base_binding_policy": "none",
-        "PYTHONPATH": str(ROOT),
-    }
-    command = [sys.executable, "-m", "studies", "solve", str(scene), "--out", str(out), "--rung", rung]
-    command = ["mpirun", "-n", str(ranks), *command] if ranks > 1 else command
-    return subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-
-
-def finish(process: subprocess.Popen) -> None:
-    _, said = process.communicate(timeout=280)
-    assert process.returncode == 0, said[-2000:]
-
-
 def wait_for(path: Path, process: subprocess.Popen) -> None:
     while not path.exists() and process.poll() is None:
         time.sleep(0.005)
@@ -66,33 +44,37 @@ def assert_same_runs(found: Path, expected: Path, rung: str) -> None:
         assert read_summary(found / level).factorisations == read_summary(expected / level).factorisations
 
 
-def kill_five_times(scene: Path, tmp_path: Path, rung: str) -> None:
+def kill_five_times(python, scene: Path, tmp_path: Path, rung: str) -> None:
+    def start(out: Path) -> subprocess.Popen:
+        arguments = ("-m", "studies", "solve", scene, "--out", out, "--rung", rung)
+        return python.start(1, *arguments, stdout=subprocess.DEVNULL)
+
     whole = tmp_path / "whole"
-    process = start(scene, whole, rung)
+    process = start(whole)
     wait_for(whole / "scene.toml", process)
     begin = time.perf_counter()
-    finish(process)
+    python.finish(process)
     duration = time.perf_counter() - begin
 
     rng = random.Random(5)
     out = tmp_path / "killed"
     alive = 0
     for _ in range(5):
-        process = start(scene, out, rung)
+        process = start(out)
         wait_for(out / "scene.toml", process)
         time.sleep(rng.uniform(0.05, 0.5) * duration)
         alive += process.poll() is None
         process.send_signal(signal.SIGKILL)
         process.wait()
     assert alive >= 3
-    finish(start(scene, out, rung))
+    python.finish(start(out))
     assert_same_runs(out, whole, rung)
 
 
-def test_axisymmetric_run_killed_five_times_gives_the_same_path(scene, tmp_path) -> None:
-    kill_five_times(scene, tmp_path, "axisymmetric")
+def test_axisymmetric_run_killed_five_times_gives_the_same_path(python, scene, tmp_path) -> None:
+    kill_five_times(python, scene, tmp_path, "axisymmetric")
 
 
 @pytest.mark.slow
-def test_full_run_killed_five_times_gives_the_same_path(scene, tmp_path) -> None:
-    kill_five_times(scene, tmp_path, "full3d")
+def test_full_run_killed_five_times_gives_the_same_path(python, scene, tmp_path) -> None:
+    kill_five_times(python, scene, tmp_path, "full3d")

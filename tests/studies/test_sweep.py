@@ -6,12 +6,9 @@ import dataclasses
 import itertools
 import json
 import math
-import os
 import re
 import shutil
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 from types import SimpleNamespace
@@ -230,47 +227,29 @@ def test_scenes_that_fail_or_stop_are_rows_with_their_reasons(done, monkeypatch,
         assert r.closed_form > 0.0 and math.isnan(r.axisymmetric) and math.isnan(r.closed_form_percent)
 
 
-def start(file: Path, out: Path, ranks: int = 1) -> subprocess.Popen:
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PRTE_"))}
-    environment |= {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": str(ROOT)}
-    environment |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-    environment |= {"OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
-    command = [sys.executable, str(SCRIPT), str(file), str(out)]
-    command = ["mpirun", "-n", str(ranks), *command] if ranks > 1 else command
-    pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    return subprocess.Popen(command, cwd=ROOT, env=environment, **pipes)
-
-
-def finish(process: subprocess.Popen) -> str:
-    said, errors = process.communicate(timeout=280)
-    assert process.returncode == 0, errors[-2000:]
-    return said
-
-
-def test_a_killed_sweep_goes_on(done, tmp_path) -> None:
+def test_a_killed_sweep_goes_on(python, done, tmp_path) -> None:
     out = tmp_path / "out"
-    process = start(done.file, out)
+    process = python.start(1, SCRIPT, done.file, out)
     while len(list(out.glob("scenes/*/rows.csv"))) < 2 and process.poll() is None:
         time.sleep(0.01)
     process.send_signal(signal.SIGKILL)
     process.communicate()
     first = {path: path.stat().st_mtime_ns for path in out.glob("scenes/*/*/summary.json")}
     assert 4 <= len(first) < 2 * SOLVED  # killed in between
-    finish(start(done.file, out))
+    python.run(1, SCRIPT, done.file, out)
     assert (out / "sweep.csv").read_bytes() == (done.out / "sweep.csv").read_bytes()
     assert {path: path.stat().st_mtime_ns for path in first} == first
 
 
-@pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun")
 @pytest.mark.parametrize("ranks", [2, 3])
-def test_more_ranks_give_the_same_table(done, tmp_path, ranks) -> None:
-    assert finish(start(done.file, tmp_path / "out", ranks)) == f"{SOLVED + REFUSED} {ranks}\n"
+def test_more_ranks_give_the_same_table(python, done, tmp_path, ranks) -> None:
+    assert python.run(ranks, SCRIPT, done.file, tmp_path / "out") == f"{SOLVED + REFUSED} {ranks}\n"
     assert (tmp_path / "out" / "sweep.csv").read_bytes() == (done.out / "sweep.csv").read_bytes()
 
 
-@pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun")
-def test_a_wrong_file_ends_all_ranks(tmp_path) -> None:
-    process = start(write(tmp_path, SMALL.replace("wall_mm", "wal_mm")), tmp_path / "out", 2)
+def test_a_wrong_file_ends_all_ranks(python, tmp_path) -> None:
+    file = write(tmp_path, SMALL.replace("wall_mm", "wal_mm"))
+    process = python.start(2, SCRIPT, file, tmp_path / "out")
     _, said = process.communicate(timeout=60)
     assert process.returncode != 0
     assert "did you mean wall_mm" in said

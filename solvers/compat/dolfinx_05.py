@@ -1,0 +1,73 @@
+"""What dolfinx 0.5 (Debian 12) calls otherwise: elements are UFL's own, options of the compiler are parameters."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import cpp, fem, la
+from dolfinx import mesh as dmesh
+from ffcx import element_interface
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+JIT_KEYWORD = "jit_params"
+ADD = la.ScatterMode.add
+
+
+def element(family: str, cell: Any, degree: int, shape: tuple[int, ...] = ()) -> Any:
+    """UFL element on a UFL cell whose values have a shape."""
+    if not shape:
+        return ufl.FiniteElement(family, cell, degree)
+    if len(shape) == 1:
+        return ufl.VectorElement(family, cell, degree, dim=shape[0])
+    return ufl.TensorElement(family, cell, degree, shape=shape)
+
+
+def mixed_element(parts: list[Any]) -> Any:
+    """UFL element of several fields."""
+    return ufl.MixedElement(parts)
+
+
+def sub_elements(element: Any) -> list[Any]:
+    """Elements of a mixed one."""
+    return list(element.sub_elements())
+
+
+def tabulate(element: Any, points: NDArray[np.float64]) -> Any:
+    """Values of a scalar element's functions, first axis of length 1."""
+    return element_interface.create_element(element).tabulate(0, points)
+
+
+def create_mesh(comm: MPI.Comm, cells: NDArray[np.int64], points: NDArray[np.float64], shape: str) -> dmesh.Mesh:
+    """Mesh of quadratic cells without ghosts."""
+    domain = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell(shape, geometric_dimension=points.shape[1]), 2))
+    return dmesh.create_mesh(comm, cells, points, domain, dmesh.GhostMode.none, cpp.mesh.create_cell_partitioner())
+
+
+def function_space(mesh: dmesh.Mesh, element: Any) -> Any:
+    """Function space of a UFL element."""
+    return fem.FunctionSpace(mesh, element)
+
+
+def table(dofmap: Any) -> NDArray[np.int32]:
+    """Dofs of the local cells of a geometry's dofmap or a function space's, shape (cells, dofs)."""
+    if hasattr(dofmap, "list"):
+        return dofmap.list.array.reshape(-1, dofmap.dof_layout.num_dofs)
+    return dofmap.array.reshape(dofmap.num_nodes, -1)
+
+
+def align_counter(kind: Any, step: int) -> None:
+    """Go on counting objects of a UFL class from the next multiple of a step."""
+    kind._globalcount = max(100 * step, -(-kind._globalcount // step) * step)
+
+
+def evaluate(expression: Any, mesh: dmesh.Mesh, cells: NDArray[np.int32]) -> NDArray[np.float64]:
+    """Values of a compiled expression in local cells."""
+    return expression.eval(cells)
+
+
+def newton_problem(residual: Any, function: Any, bcs: list[Any]) -> Any:
+    """The tutorials' nonlinear problem, for `dolfinx.nls.petsc.NewtonSolver`."""
+    return fem.petsc.NonlinearProblem(residual, function, bcs)
