@@ -10,7 +10,7 @@ MPIRUN ?= $(if $(filter wheel,$(STACK)),$(CURDIR)/.venv/bin/mpirun,/usr/bin/mpir
 export MPIRUN
 SCENES ?= $(wildcard scenes/*.toml)
 SWEEP ?= sweeps/heung-map.toml
-EXAMPLES ?= paper exact closed-form dimensions sweep stability cost modes branches imperfection contact vacuum verification large
+EXAMPLES ?= stacks paper exact closed-form dimensions sweep stability cost modes branches imperfection contact vacuum verification large
 
 # --- ranks and threads ----------------------------------------------------------------------
 # One rank: BLAS may use all cores. Several ranks: one thread each, or they fight for the cores. Two ranks
@@ -89,6 +89,15 @@ format: $(STAMP) ## let ruff fix and format what it can
 .PHONY: test
 test: check ## the quick tests
 	$(PY) -m pytest -q -m "not slow"
+
+# The stacks that this machine's is not, each in a root folder of its own (packages/in_root.sh).
+STACKS := debian-12 debian-13 wheel
+OTHERS ?= $(filter-out $(STACK),$(STACKS))
+ROOTS ?= /var/tmp/bellowsx-roots
+
+.PHONY: test-stacks
+test-stacks: ## as root: set-up, the study in miniature and the quick tests on the other stacks
+	for stack in $(OTHERS); do packages/in_root.sh $$stack $(ROOTS) make study-smoke test; done
 
 .PHONY: test-slow
 test-slow: check ## the slow tests
@@ -178,6 +187,16 @@ study-verification: check ## table of every exact and published problem -> resul
 .PHONY: study-large
 study-large: check ## direct and iterative linear algebra over size, 25 minutes at most -> results/large
 	$(PY) -m studies.large_study --out results/large --ranks $(NP)
+
+.PHONY: study-stacks
+study-stacks: check ## as root: the same rows on three stacks, and what each costs; 40 minutes -> results/stacks
+	$(PY) -m studies.stack_figures --out results/stacks/$(STACK)
+	for stack in $(OTHERS); do \
+		out=results/stacks/$$stack; \
+		packages/in_root.sh $$stack $(ROOTS) bash -c "make check && .venv/bin/python -m studies.stack_figures --out $$out"; \
+		mkdir -p $$out; cp $(ROOTS)/$$stack/opt/bellowsx/$$out/{rows.csv,figures.json} $$out/; \
+	done
+	$(PY) -m studies.stack_study $(STACKS:%=results/stacks/%) --out results/stacks
 
 .PHONY: study-closed-form
 study-closed-form: check ## chains, mends, validity, laws and exact solutions -> results/closed-form

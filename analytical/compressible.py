@@ -245,7 +245,7 @@ def _wall(body: Tube | Sphere, at: ArrayLike) -> _Wall:
     d = _dimension(body)
     half = 0.5 * math.log(body.outer_radius_mm / body.inner_radius_mm)
     volume = (body.inner_radius_mm * np.exp(half * (1.0 + x))) ** d
-    p = legendre.legvander(x, _BASIS)
+    p = legendre.legvander(x, _BASIS).reshape(*x.shape, _BASIS + 1)  # legvander makes an axis of a single number
     # int_-1^x P_n = (P_(n+1) - P_(n-1)) / (2n + 1), and 1 + x = P_0 + P_1 for n = 0
     value = np.concatenate(
         [p[..., :1] + p[..., 1:2], (p[..., 2:] - p[..., :-2]) / (2 * np.arange(1, _BASIS) + 1)], axis=-1

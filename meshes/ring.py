@@ -81,7 +81,7 @@ def ring_triangles(ring: RingShape, seat_z: FloatArray, seat_radius_mm: float) -
     except subprocess.TimeoutExpired:
         raise MeshError(f"gmsh has not meshed the ring section within {TIME_LIMIT_S:g} s") from None
     if done.returncode != 0:
-        raise MeshError(f"gmsh could not mesh the ring section (exit {done.returncode}): {done.stderr[-400:]}")
+        raise MeshError(f"gmsh could not mesh the ring section (exit {done.returncode}): {done.stderr[-400:].strip()}")
     answer = json.loads(done.stdout.splitlines()[-1])
     return np.array(answer["points"]), np.array(answer["cells"], dtype=np.int64)
 
@@ -126,14 +126,16 @@ def _mesh_in_this_process(request: dict) -> dict:
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     _, nodes = gmsh.model.mesh.getElementsByType(9)
     gmsh.finalize()
+    if not len(nodes):
+        raise RuntimeError("gmsh returned no triangles")
     place = {int(tag): k for k, tag in enumerate(tags)}
     cells = np.array([place[int(t)] for t in nodes]).reshape(-1, 6)
     used, back = np.unique(cells, return_inverse=True)
     points = np.asarray(coordinates).reshape(-1, 3)[used, :2]
     # gmsh orders mid-edge nodes 01, 12, 20; basix 12, 02, 01.
     cells = back.reshape(-1, 6)[:, [0, 1, 2, 4, 5, 3]]
-    if not len(cells) or not math.isfinite(float(points.sum())):
-        raise RuntimeError("gmsh returned no triangles")
+    if not math.isfinite(float(points.sum())):
+        raise RuntimeError("gmsh returned points that are not finite")
     return {"points": points.tolist(), "cells": cells.tolist()}
 
 

@@ -61,7 +61,9 @@ def gmsh_version() -> str | None:
     try:
         return str(importlib.import_module("gmsh").__version__)
     except Exception as error:
-        packages = "libglu1-mesa libxrender1 libxcursor1 libxft2 libxinerama1 libgomp1" if WHEEL else "python3-gmsh"
+        packages = (
+            "libglu1-mesa libgl1 libxrender1 libxcursor1 libxft2 libxinerama1 libgomp1" if WHEEL else "python3-gmsh"
+        )
         text = f"gmsh does not load ({error}): rings are not meshed and .msh files not read without it. Remedy: "
         (warnings if WHEEL else problems).append(f"{text}apt-get install {packages}")
         return None
@@ -92,9 +94,10 @@ def blas() -> str:
     except ImportError:
         problems.append(f"threadpoolctl is missing: {ANEW}")
         return "unknown"
-    # numpy's and scipy's wheels bring one each for themselves; the other is the solver's
-    pools = [pool for pool in threadpool_info() if pool["user_api"] == "blas"]
-    for pool in sorted(pools, key=lambda pool: any(part in pool["filepath"] for part in ("numpy.libs", "scipy.libs"))):
+    for pool in threadpool_info():
+        # numpy, scipy and basix wheels bring one each for themselves, in folders of this name
+        if pool["user_api"] != "blas" or Path(pool["filepath"]).parent.name.endswith(".libs"):
+            continue
         kind = ", ".join(str(pool[key]) for key in ("threading_layer", "architecture") if pool.get(key))
         name = {"openblas": "OpenBLAS", "mkl": "MKL", "blis": "BLIS"}[pool["internal_api"]]
         return f"{name} {pool['version']} ({kind}), threads {pool['num_threads']}"

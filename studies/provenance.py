@@ -12,6 +12,7 @@ import platform
 import subprocess
 from importlib import metadata
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import threadpoolctl
@@ -44,6 +45,7 @@ def versions() -> dict[str, str]:
         "numpy": np.__version__,
         "dolfinx": dolfinx_version(),
         "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
+        "mpi": f"{MPI.get_vendor()[0]} {'.'.join(map(str, MPI.get_vendor()[1]))}",
     }
     for name in ("fenics-ufl", "scipy", "mpi4py", "pyvista", "matplotlib", "pydantic"):
         try:
@@ -53,24 +55,25 @@ def versions() -> dict[str, str]:
     return found
 
 
+def _solver_blas() -> dict[str, Any] | None:
+    """What is loaded as the solver's BLAS; the wheels of numpy, scipy and basix bring one each for themselves."""
+    loaded = (library for library in threadpoolctl.threadpool_info() if library["user_api"] == "blas")
+    return next((one for one in loaded if not Path(one["filepath"]).parent.name.endswith(".libs")), None)
+
+
 @functools.cache
 def blas() -> str:
-    """The BLAS that is loaded, its version and threads; it decides the factorisation's speed."""
-    for library in threadpoolctl.threadpool_info():
-        if library.get("user_api") == "blas":
-            return (
-                f"{library['internal_api']} {library.get('version')} ({library.get('architecture')}), "
-                f"{library['num_threads']} threads"
-            )
+    """The solver's BLAS, its version and threads; it decides the factorisation's speed."""
+    if found := _solver_blas():
+        name, version, kind = found["internal_api"], found.get("version"), found.get("architecture")
+        return f"{name} {version} ({kind}), {found['num_threads']} threads"
     return "reference BLAS (slow: install libopenblas0-pthread)"
 
 
 def blas_threads() -> int:
-    """Threads of the loaded BLAS."""
-    return max(
-        (lib["num_threads"] for lib in threadpoolctl.threadpool_info() if lib["user_api"] == "blas"),
-        default=1,
-    )
+    """Threads of the solver's BLAS."""
+    found = _solver_blas()
+    return int(found["num_threads"]) if found else 1
 
 
 def machine() -> str:

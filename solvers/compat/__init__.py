@@ -79,7 +79,10 @@ def _unwrap(thing: Any) -> Any:
 
 def geometry_dofs(mesh: dmesh.Mesh) -> NDArray[np.int32]:
     """Geometry nodes of the owned cells, shape (cells, nodes per cell)."""
-    return stack.table(mesh.geometry.dofmap)[: mesh.topology.index_map(mesh.topology.dim).size_local]
+    geometry = mesh.geometry
+    # 0.11 has a dofmap for each kind of cell
+    dofmap = geometry.dofmaps[0] if hasattr(geometry, "dofmaps") else geometry.dofmap
+    return stack.table(dofmap)[: mesh.topology.index_map(mesh.topology.dim).size_local]
 
 
 def boundary_facets(mesh: dmesh.Mesh) -> NDArray[np.int32]:
