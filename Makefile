@@ -74,6 +74,10 @@ check: $(STAMP) ## versions, BLAS, cores and memory of this machine; what is mis
 lock: $(STAMP) ## pin packages/requirements.in anew (after editing it)
 	@packages/lock.sh
 
+# Whole files go to a worker, so that what a file's tests share is made once. Compiled forms are shared by all: who comes
+# second to a form waits for the first (ffcx locks it). Eight workers at most: each takes up to 1 GB.
+OVER_CORES := -n $(shell n=$$(nproc); echo $$((n < 8 ? n : 8))) --dist loadfile
+
 # --- tests ----------------------------------------------------------------------------------
 .PHONY: lint
 lint: $(STAMP) ## ruff and mypy
@@ -87,8 +91,8 @@ format: $(STAMP) ## let ruff fix and format what it can
 	$(PY) -m ruff format .
 
 .PHONY: test
-test: check ## the quick tests
-	$(PY) -m pytest -q -m "not slow"
+test: check ## the quick tests, over the cores; lists the slowest twenty
+	$(PY) -m pytest -q -m "not slow" $(OVER_CORES) --durations=20
 
 # The stacks that this machine's is not, each in a root folder of its own (packages/in_root.sh).
 STACKS := debian-12 debian-13 wheel
