@@ -32,7 +32,7 @@ Get one without root from python.org's sources, pyenv or conda, on a cluster by 
 else
     # Debian's packages are for /usr/bin/python3 alone
     python=/usr/bin/python3
-    command -v dpkg-query apt-get > /dev/null || stop "stack $stack needs that Debian: make setup STACK=wheel"
+    [[ $(packages/system.sh) == "$stack" ]] || stop "this is not $stack but $(packages/system.sh): make setup STACK=wheel"
     read -ra missing <<< "$(packages/missing.sh)"
     if ((${#missing[@]})); then
         install=(apt-get install --yes --no-install-recommends "${missing[@]}")

@@ -6,7 +6,7 @@ if [[ -e .venv/stack ]]; then
     cat .venv/stack
     exit
 fi
-system=$(. /etc/os-release 2> /dev/null && echo "${ID:-}-${VERSION_ID:-}")
+system=$(packages/system.sh)
 case $system in
     debian-12 | debian-13)
         if ((EUID == 0)) || [[ -z $(packages/missing.sh) ]] || ! packages/python.sh > /dev/null 2>&1; then
