@@ -80,10 +80,11 @@ OVER_CORES := -n $(shell n=$$(nproc); echo $$((n < 8 ? n : 8))) --dist loadfile
 
 # --- tests ----------------------------------------------------------------------------------
 .PHONY: lint
-lint: $(STAMP) ## ruff and mypy
+lint: $(STAMP) ## ruff, mypy, hadolint
 	$(PY) -m ruff check .
 	$(PY) -m ruff format --check .
 	$(PY) -m mypy analytical meshes solvers studies tests packages/check.py
+	.venv/bin/hadolint Containerfile
 
 .PHONY: format
 format: $(STAMP) ## let ruff fix and format what it can

@@ -1,7 +1,7 @@
 #!/bin/bash
 # Print the stack this checkout stands on: debian-12, debian-13 or wheel. That of .venv if there is one; else the
 # distribution's packages where they are, or can be installed, and the wheel everywhere else.
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/.." || exit
 if [[ -e .venv/stack ]]; then
     cat .venv/stack
     exit

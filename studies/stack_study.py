@@ -121,6 +121,7 @@ def write_study(folders: Sequence[Path], out: Path) -> list[Difference]:
         "date": provenance.now(),
         "machine": provenance.machine(),
     }
+    out.mkdir(parents=True, exist_ok=True)
     write_rows(out / "rows.csv", every[0])
     write_page(out, "stacks.md.j2", content)
     return differences
