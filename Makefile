@@ -79,11 +79,17 @@ lock: $(STAMP) ## pin packages/requirements.in anew (after editing it)
 OVER_CORES := -n $(shell n=$$(nproc); echo $$((n < 8 ? n : 8))) --dist loadfile
 
 # --- tests ----------------------------------------------------------------------------------
+.venv/types/numpy: packages/types.txt | $(STAMP)
+	@$(PY) -m pip --disable-pip-version-check install --quiet --no-deps --only-binary=:all: --upgrade \
+		--python-version 3.11 --implementation cp --abi cp311 --platform manylinux_2_17_x86_64 \
+		--target .venv/types --requirement $<
+	@touch $@
+
 .PHONY: lint
-lint: $(STAMP) ## ruff, mypy, hadolint
+lint: $(STAMP) .venv/types/numpy ## ruff, mypy, hadolint
 	$(PY) -m ruff check .
 	$(PY) -m ruff format --check .
-	$(PY) -m mypy analytical meshes solvers studies tests packages/check.py
+	MYPYPATH=.venv/types $(PY) -m mypy analytical meshes solvers studies tests packages/check.py
 	.venv/bin/hadolint Containerfile
 
 .PHONY: format

@@ -89,8 +89,11 @@ def stack_table(names: Sequence[str], figures: Sequence[Figures], differences: S
     lines = [(label, *(one.versions.get(key, "–") for one in figures)) for key, label in SHOWN.items()]
     lines += [
         ("BLAS", *(one.blas for one in figures)),
-        ("compiling its forms, s", *(f"{one.cold_s - one.warm_s:.0f}" for one in figures)),
-        ("`make study-core`, forms compiled, s", *(f"{one.warm_s:.0f}" for one in figures)),
+        (
+            "`make study-smoke`, nothing compiled / all compiled, s",
+            *(_times(one.smoke_cold_s, one.smoke_warm_s) for one in figures),
+        ),
+        ("`make study-core`, nothing compiled / all compiled, s", *(_times(one.cold_s, one.warm_s) for one in figures)),
         ("largest peak memory, MB", *(f"{one.peak_mb:.0f}" for one in figures)),
         ("unstable modes on 1 rank", *(_counts(one, "1") for one in figures)),
         ("on 2 ranks", *(_counts(one, "2") for one in figures)),
@@ -99,6 +102,10 @@ def stack_table(names: Sequence[str], figures: Sequence[Figures], differences: S
         ("where", *(one.where if one.value else "–" for one in differences)),
     ]
     return Table(("", *names), tuple(lines), left=tuple(range(len(names) + 1)))
+
+
+def _times(cold_s: float, warm_s: float) -> str:
+    return f"{cold_s:.0f} / {warm_s:.0f}"
 
 
 def _counts(figures: Figures, ranks: str) -> str:
