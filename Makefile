@@ -149,31 +149,31 @@ study-modes: check ## modes that break the symmetry: from which pressure on, in 
 .PHONY: study-peers
 study-peers: check ## the same bellows in CalculiX, NGSolve, FElupe and the tutorial way; hours -> results/peers
 	$(PY) -m studies.peers.environment
-	$(PY) -m studies.peer_study --out results/peers
+	$(PY) -m studies.peers.study --out results/peers
 
 .PHONY: study-cost
 study-cost: check ## run time against error of every model, mesh and way of stepping -> results/cost
-	$(PY) -m studies.cost_study --out results/cost
+	$(PY) -m studies.cost.study --out results/cost
 
 .PHONY: study-error-model
 study-error-model: check ## fit what meshes leave of error and take of time; ten scenes to check it -> results/error-model
-	$(LAUNCH) -m studies.error_fit --out results/error-model
+	$(LAUNCH) -m studies.cost.error_fit --out results/error-model
 
 .PHONY: study-branches
 study-branches: check ## paths whose volume turns back, branches beyond buckling, squirm of a blocked bellows -> results/branches
-	$(LAUNCH) -m studies.branch_study --out results/branches
+	$(LAUNCH) -m studies.branches.study --out results/branches
 
 .PHONY: study-imperfection
 study-imperfection: check ## actuators whose moulding core sat off the axis: bend, elongation; full 3D -> results/imperfection
-	$(LAUNCH) -m studies.imperfection_study --out results/imperfection
+	$(LAUNCH) -m studies.imperfection.study --out results/imperfection
 
 .PHONY: study-contact
 study-contact: check ## contact: exact problems, folds that touch, 1 mm actuators to 80 kPa -> results/contact
-	$(PY) -m studies.contact_study --out results/contact
+	$(PY) -m studies.contact.study --out results/contact
 
 .PHONY: study-vacuum
 study-vacuum: check ## scenes/vacuum: what bellows contract to, with contact of their folds -> results/vacuum
-	$(PY) -m studies.vacuum_study --out results/vacuum
+	$(PY) -m studies.vacuum.study --out results/vacuum
 
 .PHONY: study-smoke
 study-smoke: check ## two convolutions by every model, in a minute -> results/study-smoke
@@ -197,17 +197,17 @@ study-verification: check ## table of every exact and published problem -> resul
 
 .PHONY: study-large
 study-large: check ## direct and iterative linear algebra over size, 25 minutes at most -> results/large
-	$(PY) -m studies.large_study --out results/large --ranks $(NP)
+	$(PY) -m studies.large.study --out results/large --ranks $(NP)
 
 .PHONY: study-stacks
 study-stacks: check ## as root: the same rows on three stacks, and what each costs; 40 minutes -> results/stacks
-	$(PY) -m studies.stack_figures --out results/stacks/$(STACK)
+	$(PY) -m studies.stacks.figures --out results/stacks/$(STACK)
 	for stack in $(OTHERS); do \
 		out=results/stacks/$$stack; \
-		packages/in_root.sh $$stack $(ROOTS) bash -c "make check && .venv/bin/python -m studies.stack_figures --out $$out"; \
+		packages/in_root.sh $$stack $(ROOTS) bash -c "make check && .venv/bin/python -m studies.stacks.figures --out $$out"; \
 		mkdir -p $$out; cp $(ROOTS)/$$stack/opt/bellowsx/$$out/{rows.csv,figures.json} $$out/; \
 	done
-	$(PY) -m studies.stack_study $(STACKS:%=results/stacks/%) --out results/stacks
+	$(PY) -m studies.stacks.study $(STACKS:%=results/stacks/%) --out results/stacks
 
 .PHONY: study-closed-form
 study-closed-form: check ## chains, mends, validity, laws and exact solutions -> results/closed-form

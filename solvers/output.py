@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from solvers.compat import CELL_NAMES, lagrange_at_nodes
-from solvers.domain import FloatArray, MeshArrays
+from solvers.discrete.domain import FloatArray, MeshArrays
 from solvers.files import write_atomically
 from solvers.state import State, pressure_at_corners
 

@@ -20,19 +20,19 @@ from petsc4py import PETSc
 
 from analytical.materials import StiffSolid
 from solvers import compat
-from solvers.domain import Domain, FloatArray, IntArray
-from solvers.elements import QUADRATURE_DEGREE, Element, usual_element
+from solvers.bodies.rigid import BondedBodies, RigidBodies
+from solvers.bodies.turning import Turning
+from solvers.discrete.domain import Domain, FloatArray, IntArray
+from solvers.discrete.elements import QUADRATURE_DEGREE, Element, usual_element
+from solvers.discrete.kinematics import kinematics
+from solvers.energy.forms import build_forms, invariants
+from solvers.energy.laws import Law, compile_law
+from solvers.energy.loads import DEAD, LoadKind, load_forms, load_tangent
 from solvers.errors import SolverError
-from solvers.forms import build_forms, invariants
-from solvers.kinematics import kinematics
-from solvers.laws import Law, compile_law
-from solvers.loads import DEAD, LoadKind, load_forms, load_tangent
-from solvers.rigid import BondedBodies, RigidBodies
 from solvers.state import State, Timer
-from solvers.turning import Turning
 
 if TYPE_CHECKING:
-    from solvers.contact import Contact
+    from solvers.contact.contact import Contact
 
 SOFT, STIFF = 1, 2  # material numbers of cells
 
@@ -515,7 +515,7 @@ class Problem:
         return self.volume_gradient() if self.conservative else self.load_traction()
 
     def cavity_volume(self) -> float:
-        """Volume on which the load does work, mm^3: the enclosed volume for a cavity, see solvers.loads for others."""
+        """Volume on which the load does work, mm^3: enclosed for a cavity; see solvers.energy.loads for others."""
         by_plate = 0.0 if self.bonded is None else self._plate_sense * self.bonded.plate_volume()[0]
         return compat.assemble_scalar(self._volume, self.comm) + by_plate
 

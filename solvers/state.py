@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from solvers.domain import FloatArray, IntArray
+from solvers.discrete.domain import FloatArray, IntArray
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class State:
         Motions of the rigid bodies, shape (bodies, modes): axial on a meridian and in a sector; x, y, z
         translation, then rotation about x, y, z times the arm, in full 3D.
     load_mpa
-        Load factor P: the cavity pressure, or see solvers.loads.
+        Load factor P: the cavity pressure, or see solvers.energy.loads.
     """
 
     displacement_mm: FloatArray

@@ -20,15 +20,16 @@ from mpi4py import MPI
 from analytical.bellows import BellowsError
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
-from studies import provenance, session
-from studies.error_model import ROUNDS, cells_of
-from studies.exact_scene import AnyScene, is_exact, load_any_scene
-from studies.kinds import AnyPlan, description, plan_for, run
-from studies.plan import RUNGS, SECTOR_LEVELS, Rung, make_plan
+from studies.models import session
+from studies.models.kinds import AnyPlan, description, plan_for, run
+from studies.planning.error_model import ROUNDS, cells_of
+from studies.planning.plan import RUNGS, SECTOR_LEVELS, Rung, make_plan
 from studies.progress import Progress
-from studies.rows import Row
-from studies.scene import Scene
-from studies.sections import SceneError
+from studies.results import provenance
+from studies.results.rows import Row
+from studies.scene.bellows import Scene
+from studies.scene.bodies import AnyScene, is_exact, load_any_scene
+from studies.scene.sections import SceneError
 
 # Commands import the studies and what draws their reports themselves: plan and solve then start in half the time.
 
@@ -207,7 +208,8 @@ def paper(out: Path, core: bool, audit: bool) -> None:
 
 def _paper(out: Path, core: bool, audit: bool) -> int:
     """Run the paper study and write its report; returns the exit code."""
-    from studies import paper_cases, paper_study
+    from studies.paper import cases as paper_cases
+    from studies.paper import study as paper_study
 
     comm, progress = MPI.COMM_WORLD, Progress(MPI.COMM_WORLD)
     chosen = [case for case in paper_cases.cases() if case.group == "core" or not core]
@@ -235,7 +237,7 @@ def sweep_command(file: Path, out: Path) -> None:
 
     Finished scenes are not repeated. Combinations that are no valid scene stay in the table with the reason.
     """
-    from studies import sweep
+    from studies.models import farm as sweep
 
     _writable(out)
     try:
@@ -252,7 +254,7 @@ def sweep_command(file: Path, out: Path) -> None:
 @OUT_OPTION
 def sweep_study_command(out: Path) -> None:
     """Map the elongation over root radius, wall and convolutions; where the closed form misleads; the report."""
-    from studies import sweep_study
+    from studies.sweep import study as sweep_study
 
     _writable(out)
     outcome = sweep_study.write_sweep_study(out, MPI.COMM_WORLD)
@@ -264,7 +266,7 @@ def sweep_study_command(out: Path) -> None:
 @OUT_OPTION
 def stability_command(out: Path) -> None:
     """Push bodies along the axes on which solvers break; the exit code is 3 if any cell is a wrong answer."""
-    from studies import stability_study
+    from studies.stability import study as stability_study
 
     _writable(out)
     report, ok = stability_study.write_study(out, MPI.COMM_WORLD, _out)
@@ -296,7 +298,7 @@ def modes_command(scenes: tuple[Path, ...], out: Path, full3d: bool) -> None:
 
     Without SCENES those of the study, with a ring of exact buckling loads and bodies in full 3D beside them.
     """
-    from studies import modes_study
+    from studies.modes import study as modes_study
 
     try:
         models = [(modes_study.load_model(p), p.read_text(encoding="utf-8")) for p in scenes or modes_study.STUDY]
@@ -340,8 +342,8 @@ def exact_command(out: Path) -> None:
 )
 def verification_command(out: Path, reuse: Path | None) -> None:
     """Make the table of every exact and published problem; the exit code is 3 if one did not reach its loads."""
-    from studies import verification
-    from studies.verification_report import render_verification
+    from studies.verification import study as verification
+    from studies.verification.report import render_verification
 
     scenes = sorted((provenance.ROOT / "scenes" / "exact").glob("*.toml"))
     _writable(out)
@@ -357,7 +359,7 @@ def verification_command(out: Path, reuse: Path | None) -> None:
 @OUT_OPTION
 def closed_form(out: Path) -> None:
     """Write the report of the closed form: chains, mends, validity, material laws, exact solutions."""
-    from studies import closed_form_study
+    from studies.closed_form import study as closed_form_study
 
     _writable(out)
     if MPI.COMM_WORLD.rank == 0:
@@ -372,7 +374,8 @@ def dimensions_command(out: Path, write_scenes: bool) -> None:
 
     The exit code is 3 if the picks are not those that analytical/paper.py records; scenes/ is then left alone.
     """
-    from studies import dimension_scenes, dimensions
+    from studies.dimensions import scenes as dimension_scenes
+    from studies.dimensions import study as dimensions
 
     _writable(out)
     if MPI.COMM_WORLD.rank != 0:
@@ -391,8 +394,8 @@ def dimensions_command(out: Path, write_scenes: bool) -> None:
 @OUT_OPTION
 def benchmark_closed_form(out: Path) -> None:
     """Measure the closed form's evaluations per second on one core, and their error."""
-    from studies import benchmark
-    from studies.tables import as_text
+    from studies.closed_form import benchmark
+    from studies.report.tables import as_text
 
     _writable(out)
     if MPI.COMM_WORLD.rank == 0:
@@ -404,7 +407,7 @@ def benchmark_closed_form(out: Path) -> None:
 @OUT_OPTION
 def benchmark_solver(out: Path) -> None:
     """Measure tangent, factorisation and Newton iteration of a full body, and its path from warm and from cold."""
-    from studies import solver_benchmark
+    from studies.cost import solver_benchmark
 
     _writable(out)
     ((checked, _),) = _load((provenance.ROOT / "scenes" / "heung-t2-ri5.toml",))
@@ -421,8 +424,9 @@ def report(folder: Path) -> None:
 
 
 def _report(folder: Path) -> None:
-    from studies import paper_study, scene_report
-    from studies.exact_report import render_exact
+    from studies.paper import study as paper_study
+    from studies.report import scene_page as scene_report
+    from studies.verification.exact import render_exact
 
     if (folder / "core").is_dir():
         click.echo(f"report: {paper_study.write_report(folder)[1]}")

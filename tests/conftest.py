@@ -253,7 +253,7 @@ def make_problem():
     """Problem on a mesh of this file: law, 1/kappa, surfaces by keyword, stiff solid and bodies if any."""
     from mpi4py import MPI
 
-    from solvers.domain import create_domain
+    from solvers.discrete.domain import create_domain
     from solvers.problem import Problem, Surfaces
 
     def make(
@@ -271,8 +271,8 @@ def bellows_problem(one_convolution, coarse_meridian, coarse_solid, make_problem
     """Cached bellows of one convolution with rigid rings, graded bond: its mesh, problem and factor."""
     from analytical.materials import DRAGON_SKIN_10, dragon_skin_30
     from meshes.solid import FACETS
-    from solvers.linear import Factor
-    from solvers.rigid import RigidBodies
+    from solvers.bodies.rigid import RigidBodies
+    from solvers.linear.factor import Factor
 
     laws = {"yeoh": DRAGON_SKIN_10, "ogden": dragon_skin_30("2mu/alpha^2")}
 
@@ -302,8 +302,8 @@ def bellows_problem(one_convolution, coarse_meridian, coarse_solid, make_problem
 @pytest.fixture(scope="session")
 def inflated(bellows_problem):
     """Cached path of the axisymmetric bellows to 5 and 10 kPa, solved to 1e-11."""
-    from solvers.newton import NewtonSettings
-    from solvers.path import PathSettings, follow_path
+    from solvers.equilibrium.newton import NewtonSettings
+    from solvers.paths.path import PathSettings, follow_path
 
     @functools.cache
     def follow(law="yeoh"):
@@ -320,8 +320,8 @@ def inflated(bellows_problem):
 def inflated_solid(bellows_problem, inflated):
     """The same in 3D, started from the revolved axisymmetric states; only the asked pressures."""
     from meshes.revolve import revolve_vector
-    from solvers.newton import NewtonSettings
-    from solvers.path import PathSettings, follow_guesses
+    from solvers.equilibrium.newton import NewtonSettings
+    from solvers.paths.path import PathSettings, follow_guesses
     from solvers.state import State
 
     @functools.cache

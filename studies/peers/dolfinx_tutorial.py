@@ -20,7 +20,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from solvers import compat
-from solvers.domain import create_domain
+from solvers.discrete.domain import create_domain
 
 comm = MPI.COMM_WORLD
 begin = time.perf_counter()

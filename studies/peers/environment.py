@@ -12,7 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from studies.provenance import ROOT
+from studies.results.provenance import ROOT
 
 VENV = ROOT / ".venv-peers"
 LISTS = ROOT / "packages" / "peers.txt", ROOT / "packages" / "peers-debian.txt"

@@ -19,8 +19,8 @@ from meshes.quality import jacobians
 from meshes.revolve import revolve
 from meshes.solid import FACETS, REGIONS, FloatArray, IntArray, SolidMesh
 from meshes.sweep import revolve_hexahedra
-from studies.build import Tip
-from studies.scene import Scene, law_of, ring_material, ring_shape, shape_of
+from studies.models.build import Tip
+from studies.scene.bellows import Scene, law_of, ring_material, ring_shape, shape_of
 
 Cells = Literal["tri6", "quad9", "tet10", "hex27"]
 # Cells through the height of a ring block.

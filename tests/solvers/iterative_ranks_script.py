@@ -13,11 +13,11 @@ from meshes.bellows import BellowsShape
 from meshes.meridian import Resolution, meridian_mesh
 from meshes.solid import FACETS
 from meshes.sweep import revolve_hexahedra
-from solvers.domain import create_domain
-from solvers.iterative import IterativeSolver
-from solvers.linear import Factor
+from solvers.bodies.rigid import RigidBodies
+from solvers.discrete.domain import create_domain
+from solvers.linear.factor import Factor
+from solvers.linear.krylov import IterativeSolver
 from solvers.problem import Problem, Surfaces
-from solvers.rigid import RigidBodies
 
 SHAPE = BellowsShape(5.0, 10.5, 1.0, 5.0, 1, 3.0, 4.0, 0.5, 5.0)
 

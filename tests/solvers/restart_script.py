@@ -17,9 +17,9 @@ from ranks_script import SETTINGS, SHAPE, solver  # type: ignore[import-not-foun
 
 from meshes.meridian import Resolution, meridian_mesh
 from meshes.revolve import revolve, revolve_vector
-from solvers.checkpoint import read_checkpoint, write_checkpoint
-from solvers.path import follow_guesses, follow_path
-from solvers.records import GuessMemory
+from solvers.paths.checkpoint import read_checkpoint, write_checkpoint
+from solvers.paths.path import follow_guesses, follow_path
+from solvers.paths.records import GuessMemory
 from solvers.state import State
 
 

@@ -8,12 +8,12 @@ import math
 import numpy as np
 import pytest
 
-import solvers.path
+import solvers.paths.path
 from analytical.materials import dragon_skin_30
+from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, StepFailed
-from solvers.linear import Factor
-from solvers.newton import NewtonSettings, solve_equilibrium
-from solvers.path import PathSettings, follow_guesses, follow_path
+from solvers.linear.factor import Factor
+from solvers.paths.path import PathSettings, follow_guesses, follow_path
 from solvers.state import State
 
 TIGHT = NewtonSettings(relative_tolerance=1e-11)
@@ -164,7 +164,7 @@ def test_path_recovers_from_a_step_that_went_to_nan(bellows_problem, inflated, m
             problem.bonded.update(np.zeros(0))
         return solve_equilibrium(problem, *rest, **options)
 
-    monkeypatch.setattr(solvers.path, "solve_equilibrium", spoil_the_fourth)
+    monkeypatch.setattr(solvers.paths.path, "solve_equilibrium", spoil_the_fourth)
     path = follow_path(case.problem, case.factor, [0.005, 0.010], PathSettings(newton=TIGHT))
     assert path.reached
     assert path.rejected == 1
@@ -182,7 +182,7 @@ def test_path_that_gives_up_leaves_the_last_good_state(bellows_problem, monkeypa
             problem.state.x.array[:] = math.nan
         return solve_equilibrium(problem, *rest, **options)
 
-    monkeypatch.setattr(solvers.path, "solve_equilibrium", fail_from_the_fourth)
+    monkeypatch.setattr(solvers.paths.path, "solve_equilibrium", fail_from_the_fourth)
     path = follow_path(case.problem, case.factor, [0.010], PathSettings(smallest_step=1e-2, newton=TIGHT))
     assert not path.reached
     assert path.cause is Cause.STEP_SIZE

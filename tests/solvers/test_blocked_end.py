@@ -12,11 +12,11 @@ from analytical.materials import DRAGON_SKIN_10
 from meshes.meridian import meridian_mesh
 from meshes.solid import FACETS
 from meshes.sweep import revolve_hexahedra
+from solvers.bodies.rigid import RigidBodies
+from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import StepFailed
-from solvers.linear import Factor
-from solvers.newton import NewtonSettings, solve_equilibrium
-from solvers.path import PathSettings, follow_path
-from solvers.rigid import RigidBodies
+from solvers.linear.factor import Factor
+from solvers.paths.path import PathSettings, follow_path
 from solvers.state import State
 
 TIGHT = NewtonSettings(relative_tolerance=1e-11)

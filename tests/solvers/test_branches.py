@@ -17,10 +17,10 @@ from analytical.two_spheres import TwoSpheres
 from meshes.bodies import block, sphere_meridian, tube_meridian
 from meshes.solid import FACETS
 from meshes.sweep import revolve_hexahedra
-from solvers.branch import BranchSettings, follow_branch
 from solvers.errors import Cause, StepFailed
-from solvers.linear import Factor
-from solvers.path import PathSettings, follow_path
+from solvers.linear.factor import Factor
+from solvers.paths.branch import BranchSettings, follow_branch
+from solvers.paths.path import PathSettings, follow_path
 from solvers.state import State
 
 MU = 0.1

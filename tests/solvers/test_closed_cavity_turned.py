@@ -12,9 +12,9 @@ from scipy.spatial.transform import Rotation
 from analytical.materials import DRAGON_SKIN_10
 from meshes.bodies import block
 from meshes.solid import FACETS, SolidMesh
-from solvers.domain import create_domain
-from solvers.linear import Factor
-from solvers.newton import NewtonSettings, solve_equilibrium
+from solvers.discrete.domain import create_domain
+from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
+from solvers.linear.factor import Factor
 from solvers.problem import Problem, Surfaces
 
 SIZE_MM = 3.0

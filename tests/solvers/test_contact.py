@@ -17,13 +17,13 @@ from meshes.bodies import sphere_meridian
 from meshes.boundary import boundary_edges
 from meshes.gaps import outlines
 from meshes.solid import FACETS
-from solvers.contact import Contact
-from solvers.contact_pairs import Against, ContactSettings, Facing, Line, Stop
+from solvers.contact.contact import Contact
+from solvers.contact.obstacles import Bore, Bowl, RoundedBox
+from solvers.contact.pairs import Against, ContactSettings, Facing, Line, Stop
+from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, SolverError, StepFailed
-from solvers.linear import Factor
-from solvers.newton import NewtonSettings, solve_equilibrium
-from solvers.obstacles import Bore, Bowl, RoundedBox
-from solvers.path import PathSettings, follow_path
+from solvers.linear.factor import Factor
+from solvers.paths.path import PathSettings, follow_path
 
 LAW = DRAGON_SKIN_10
 INNER, OUTER = Tube(5.0, 6.0), Tube(7.0, 8.5)

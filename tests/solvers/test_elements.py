@@ -18,11 +18,11 @@ from meshes.revolve import revolve
 from meshes.solid import FACETS, SolidMesh
 from meshes.sweep import revolve_hexahedra
 from solvers import compat
-from solvers.elements import P1_P0, P2_P0, P2_P1, Q2_P1, Element
+from solvers.discrete.elements import P1_P0, P2_P0, P2_P1, Q2_P1, Element
+from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import SolverError
-from solvers.linear import Factor
-from solvers.newton import NewtonSettings, solve_equilibrium
-from solvers.path import PathSettings, follow_path
+from solvers.linear.factor import Factor
+from solvers.paths.path import PathSettings, follow_path
 from solvers.problem import Problem
 from solvers.state import State, pressure_at_corners
 

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from analytical.materials import DRAGON_SKIN_10
 from meshes.sweep import revolve_hexahedra
-from solvers.rigid import RigidBodies, moved
+from solvers.bodies.rigid import RigidBodies, moved
 from solvers.state import State
 
 INNER_MM, OUTER_MM, HEIGHT_MM, ARM_MM = 5.0, 6.0, 8.0, 6.0

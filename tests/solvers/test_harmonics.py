@@ -15,14 +15,14 @@ from analytical.tube import Tube
 from meshes.bodies import sphere_meridian
 from meshes.solid import FACETS
 from solvers import compat
+from solvers.bodies.rigid import RigidBodies
+from solvers.equilibrium.newton import NewtonSettings
 from solvers.errors import SolverError
-from solvers.harmonics import Harmonics
-from solvers.linear import Factor
-from solvers.modes import ModeCounter, mode_crossings
-from solvers.newton import NewtonSettings
-from solvers.path import PathSettings, follow_path
-from solvers.records import point_of
-from solvers.rigid import RigidBodies
+from solvers.linear.factor import Factor
+from solvers.paths.path import PathSettings, follow_path
+from solvers.paths.records import point_of
+from solvers.stability.harmonics import Harmonics
+from solvers.stability.modes import ModeCounter, mode_crossings
 from solvers.state import State
 
 TIGHT = PathSettings(newton=NewtonSettings(relative_tolerance=1e-11))

@@ -11,10 +11,10 @@ import pytest
 from analytical.materials import NeoHooke
 from meshes.revolve import revolve_vector
 from meshes.sweep import revolve_hexahedra
-from solvers.linear import Factor
-from solvers.modes import ModeCounter
-from solvers.newton import NewtonSettings, solve_equilibrium
-from solvers.rigid import RigidBodies
+from solvers.bodies.rigid import RigidBodies
+from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
+from solvers.linear.factor import Factor
+from solvers.stability.modes import ModeCounter
 from solvers.state import State
 
 INNER_MM, OUTER_MM, MU_MPA = 5.0, 6.0, 0.072

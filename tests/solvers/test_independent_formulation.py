@@ -13,10 +13,10 @@ from mpi4py import MPI
 
 from analytical.materials import DRAGON_SKIN_10, Law, NeoHooke
 from meshes.solid import FACETS
-from solvers.domain import create_domain
-from solvers.elements import QUADRATURE_DEGREE
-from solvers.linear import Factor
-from solvers.path import PathSettings, follow_path
+from solvers.discrete.domain import create_domain
+from solvers.discrete.elements import QUADRATURE_DEGREE
+from solvers.linear.factor import Factor
+from solvers.paths.path import PathSettings, follow_path
 from solvers.problem import SOFT, Problem, Surfaces
 
 CASES: dict[str, tuple[Law, tuple[float, ...], float]] = {

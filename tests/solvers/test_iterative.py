@@ -11,12 +11,12 @@ from analytical.materials import DRAGON_SKIN_10
 from meshes.meridian import Resolution, meridian_mesh
 from meshes.revolve import revolve
 from meshes.solid import FACETS
+from solvers.bodies.rigid import RigidBodies
+from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, SolverError, StepFailed
-from solvers.iterative import IterativeSettings, IterativeSolver
-from solvers.linear import Factor
-from solvers.newton import NewtonSettings, solve_equilibrium
-from solvers.path import PathSettings, follow_path
-from solvers.rigid import RigidBodies
+from solvers.linear.factor import Factor
+from solvers.linear.krylov import IterativeSettings, IterativeSolver
+from solvers.paths.path import PathSettings, follow_path
 
 SCRIPT = Path(__file__).with_name("iterative_ranks_script.py")
 

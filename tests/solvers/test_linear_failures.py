@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solvers import linear
 from solvers.errors import Cause, StepFailed
-from solvers.path import PathSettings, follow_path
+from solvers.linear import factor as linear
+from solvers.paths.path import PathSettings, follow_path
 
 OUT_OF_CORE = linear.LADDER.index({22: 1})
 

@@ -7,9 +7,9 @@ import pytest
 
 from analytical.materials import DRAGON_SKIN_10, NeoHooke
 from meshes.revolve import revolve
+from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import SolverError
-from solvers.linear import Factor
-from solvers.newton import NewtonSettings, solve_equilibrium
+from solvers.linear.factor import Factor
 
 TIGHT = NewtonSettings(relative_tolerance=1e-11, reuse_below=0.0)
 

@@ -15,11 +15,11 @@ from scipy.optimize import brentq, minimize_scalar
 from analytical.materials import NeoHooke, Yeoh
 from meshes.revolve import revolve
 from meshes.solid import TETRAHEDRON_EDGES, SolidMesh
+from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause
-from solvers.linear import Factor
-from solvers.newton import NewtonSettings, solve_equilibrium
-from solvers.path import PathSettings, follow_path
-from solvers.records import PathMemory, PathPoint
+from solvers.linear.factor import Factor
+from solvers.paths.path import PathSettings, follow_path
+from solvers.paths.records import PathMemory, PathPoint
 from solvers.state import State
 
 MU = 0.1

@@ -10,9 +10,9 @@ import pytest
 
 from analytical.materials import NeoHooke
 from meshes.sweep import revolve_hexahedra
+from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import SolverError
-from solvers.linear import Factor
-from solvers.newton import NewtonSettings, solve_equilibrium
+from solvers.linear.factor import Factor
 from solvers.state import State
 
 TIGHT = NewtonSettings(relative_tolerance=1e-11)

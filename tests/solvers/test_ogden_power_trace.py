@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solvers.ogden import DERIVATIVES, FIT_RANGE, power_sum_coefficients, power_trace, trace_derivatives
+from solvers.energy.ogden import DERIVATIVES, FIT_RANGE, power_sum_coefficients, power_trace, trace_derivatives
 
 # Measured worst relative errors of value and first derivatives with 12 poles, times about two. Dragon Skin 30 is
 # the first; even exponents need no poles and are exact but for round-off.

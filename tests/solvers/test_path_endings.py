@@ -9,11 +9,11 @@ import re
 import numpy as np
 import pytest
 
-from solvers.diagnosis import failed_steps, limit_pressure
+from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, StepFailed
-from solvers.newton import NewtonSettings, solve_equilibrium
-from solvers.path import PathSettings, follow_path
-from solvers.records import Crossing, PathPoint
+from solvers.paths.diagnosis import failed_steps, limit_pressure
+from solvers.paths.path import PathSettings, follow_path
+from solvers.paths.records import Crossing, PathPoint
 from solvers.state import State
 
 NOTHING = State(np.zeros((1, 2)), np.zeros(1), np.zeros((0, 0)), 0.0)

@@ -12,12 +12,12 @@ from analytical.torsion import TwistedCylinder, torque_nmm
 from meshes.bodies import cook_membrane, cylinder_meridian
 from meshes.revolve import revolve
 from meshes.solid import FACETS
-from solvers import prescribed
+from solvers.bodies.rigid import RigidBodies
+from solvers.equilibrium.newton import NewtonSettings
 from solvers.errors import Cause, SolverError
-from solvers.linear import Factor
-from solvers.newton import NewtonSettings
-from solvers.prescribed import follow_motion
-from solvers.rigid import RigidBodies
+from solvers.linear.factor import Factor
+from solvers.paths import prescribed
+from solvers.paths.prescribed import follow_motion
 
 
 @pytest.fixture(scope="module")

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solvers.checkpoint import CheckpointError, read_checkpoint, write_checkpoint
 from solvers.errors import Cause
-from solvers.path import PathSettings, follow_path
-from solvers.records import Crossing, PathMemory
+from solvers.paths.checkpoint import CheckpointError, read_checkpoint, write_checkpoint
+from solvers.paths.path import PathSettings, follow_path
+from solvers.paths.records import Crossing, PathMemory
 
 SCRIPT = Path(__file__).with_name("restart_script.py")
 ASKED = [0.005, 0.010]

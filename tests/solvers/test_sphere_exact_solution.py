@@ -10,8 +10,8 @@ from analytical.sphere import Sphere, hydrostatic_pressure_mpa, pressure_at_inne
 from meshes.bodies import sphere_meridian
 from meshes.revolve import revolve
 from meshes.solid import FACETS
-from solvers.linear import Factor
-from solvers.newton import NewtonSettings, solve_equilibrium
+from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
+from solvers.linear.factor import Factor
 from solvers.state import State
 
 SPHERE = Sphere(4.0, 6.0)

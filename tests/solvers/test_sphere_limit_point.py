@@ -11,9 +11,9 @@ from scipy.optimize import minimize_scalar
 
 from analytical.materials import DRAGON_SKIN_10, NeoHooke, dragon_skin_30
 from meshes.solid import SolidMesh
-from solvers.linear import Factor
-from solvers.newton import NewtonSettings, solve_equilibrium
-from solvers.path import PathSettings, follow_path
+from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
+from solvers.linear.factor import Factor
+from solvers.paths.path import PathSettings, follow_path
 
 INNER, OUTER, MU = 5.0, 6.5, 0.1
 

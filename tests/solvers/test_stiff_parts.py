@@ -8,9 +8,9 @@ import pytest
 from analytical.materials import DRAGON_SKIN_10, StiffSolid
 from meshes.bodies import tube_meridian
 from meshes.solid import FACETS
+from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import StepFailed
-from solvers.linear import Factor
-from solvers.newton import NewtonSettings, solve_equilibrium
+from solvers.linear.factor import Factor
 from solvers.problem import SOFT, STIFF, Problem
 
 

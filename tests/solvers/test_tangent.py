@@ -12,8 +12,8 @@ import pytest
 from analytical.materials import DRAGON_SKIN_10, PLA, Law, NeoHooke, dragon_skin_30
 from meshes.revolve import revolve
 from meshes.solid import SolidMesh
+from solvers.bodies.rigid import RigidBodies, moved
 from solvers.problem import SOFT, STIFF, Problem
-from solvers.rigid import RigidBodies, moved
 from solvers.state import State
 
 ARM_MM = 6.5

@@ -16,9 +16,9 @@ from analytical.tube import (
 )
 from meshes.revolve import revolve
 from meshes.solid import SolidMesh
-from solvers.linear import Factor
-from solvers.newton import NewtonReport, NewtonSettings, solve_equilibrium
-from solvers.path import PathSettings, follow_path
+from solvers.equilibrium.newton import NewtonReport, NewtonSettings, solve_equilibrium
+from solvers.linear.factor import Factor
+from solvers.paths.path import PathSettings, follow_path
 from solvers.problem import Problem
 from solvers.state import State
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from solvers.turning import Turning
+from solvers.bodies.turning import Turning
 
 ARM = 8.0
 

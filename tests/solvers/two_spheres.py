@@ -14,9 +14,9 @@ from analytical.materials import NeoHooke
 from analytical.sphere import Sphere
 from meshes.bodies import sphere_meridian
 from meshes.solid import FACETS, SolidMesh
-from solvers.domain import create_domain
-from solvers.linear import Factor
-from solvers.path import PathSettings, follow_path
+from solvers.discrete.domain import create_domain
+from solvers.linear.factor import Factor
+from solvers.paths.path import PathSettings, follow_path
 from solvers.problem import Problem, Surfaces
 
 LAW = NeoHooke(0.1)

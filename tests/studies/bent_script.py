@@ -11,8 +11,8 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from studies.imperfection_study import Case, run_case
-from studies.levels import BodyLevel
+from studies.imperfection.study import Case, run_case
+from studies.planning.levels import BodyLevel
 from studies.progress import Progress
 
 

@@ -11,9 +11,9 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from solvers.linear import Factor
-from studies.build import scene_body, scene_meridian, scene_problem
-from studies.scene import load_scene
+from solvers.linear.factor import Factor
+from studies.models.build import scene_body, scene_meridian, scene_problem
+from studies.scene.bellows import load_scene
 
 ROOT = Path(__file__).resolve().parents[2]
 

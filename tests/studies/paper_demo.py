@@ -8,15 +8,15 @@ import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from studies.compare import scene_rows
-from studies.paper_cases import Case, audit_cases, cases
-from studies.paper_results import CaseResult, PaperResults
-from studies.paper_study import SCENES, case_text
-from studies.results import PathRow, RunSummary
-from studies.rows import REACHED, Row, row
-from studies.run_log import Run
-from studies.scene import Scene, load_scene
-from studies.session import SceneResult
+from studies.models.run_log import Run
+from studies.models.session import SceneResult
+from studies.paper.cases import Case, audit_cases, cases
+from studies.paper.results import CaseResult, PaperResults
+from studies.paper.study import SCENES, case_text
+from studies.results.compare import scene_rows
+from studies.results.files import PathRow, RunSummary
+from studies.results.rows import REACHED, Row, row
+from studies.scene.bellows import Scene, load_scene
 
 ALL = {(case.group, case.name): case for case in (*cases(), *audit_cases())}
 # Elongation at 20 kPa, mm, by wall and by whether the root is the larger one.

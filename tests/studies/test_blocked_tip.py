@@ -10,12 +10,12 @@ from click.testing import CliRunner
 
 from analytical.bellows_loads import held_tip
 from studies.__main__ import main
-from studies.plan import describe, make_plan
-from studies.results import read_path, read_summary
-from studies.rows import read_rows
-from studies.runs import run_hash
-from studies.scene import dimensions_of, law_of, load_scene
-from studies.sections import SceneError
+from studies.models.runs import run_hash
+from studies.planning.plan import describe, make_plan
+from studies.results.files import read_path, read_summary
+from studies.results.rows import read_rows
+from studies.scene.bellows import dimensions_of, law_of, load_scene
+from studies.scene.sections import SceneError
 
 ROOT = Path(__file__).resolve().parents[2]
 INLET_MM2 = math.pi * 10.5**2

@@ -10,12 +10,12 @@ import pytest
 from mpi4py import MPI
 
 from solvers.state import State
-from studies import branch_study
-from studies.branch_cases import SQUIRM_SCENE, in_plane, mirrored
-from studies.branch_study import read_case, run_study, write_report
-from studies.build import scene_body, scene_meridian
-from studies.rows import read_rows
-from studies.scene import load_scene
+from studies.branches import study as branch_study
+from studies.branches.cases import SQUIRM_SCENE, in_plane, mirrored
+from studies.branches.study import read_case, run_study, write_report
+from studies.models.build import scene_body, scene_meridian
+from studies.results.rows import read_rows
+from studies.scene.bellows import load_scene
 
 
 @pytest.fixture(scope="module")

@@ -13,12 +13,14 @@ from click.testing import CliRunner
 
 from analytical.mends import MENDS
 from analytical.paper import actuators
-from studies import benchmark, closed_form_tables, exact_table, material_tables, validity_maps
 from studies.__main__ import BAD_INPUT, main
-from studies.closed_form_study import write_study
-from studies.closed_form_tables import CHAINS, CUTS, PRESSURES_KPA
-from studies.rows import read_rows
-from studies.tables import Table, as_text
+from studies.closed_form import benchmark, material_tables, validity_maps
+from studies.closed_form import tables as closed_form_tables
+from studies.closed_form.study import write_study
+from studies.closed_form.tables import CHAINS, CUTS, PRESSURES_KPA
+from studies.report.tables import Table, as_text
+from studies.results.rows import read_rows
+from studies.verification import two_routes as exact_table
 
 ACTUATORS = actuators()
 every_actuator = pytest.mark.parametrize("actuator", ACTUATORS, ids=[actuator.name for actuator in ACTUATORS])

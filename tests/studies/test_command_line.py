@@ -12,10 +12,10 @@ import pytest
 import pyvista
 from click.testing import CliRunner
 
-from studies import runs
 from studies.__main__ import main
-from studies.results import PATH_COLUMNS, read_path, read_summary
-from studies.rows import COLUMNS, read_rows
+from studies.models import runs
+from studies.results.files import PATH_COLUMNS, read_path, read_summary
+from studies.results.rows import COLUMNS, read_rows
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -194,7 +194,7 @@ def test_closed_form_writes_the_same_files(small_scene, tmp_path):
 
 def test_stopped_run_exits_3_and_keeps_its_states(small_scene, tmp_path, monkeypatch):
     """A pressure beyond what the wall holds: the reached part is kept, the rest is a row that says why."""
-    monkeypatch.setattr("studies.plan.MERIDIAN_LEVELS", (1, 2))  # the third level would take half a minute
+    monkeypatch.setattr("studies.planning.plan.MERIDIAN_LEVELS", (1, 2))  # the third level would take half a minute
     text = small_scene.read_text().replace("[5.0, 10.0]", "[5.0, 700.0]")
     scene = tmp_path / "burst.toml"
     scene.write_text(text, encoding="utf-8")
@@ -210,7 +210,7 @@ def test_stopped_run_exits_3_and_keeps_its_states(small_scene, tmp_path, monkeyp
 
 @pytest.mark.parametrize("control", ["volume", "pressure"])
 def test_loss_of_stability_is_in_the_summary_with_its_mode(small_scene, tmp_path, monkeypatch, control):
-    monkeypatch.setattr("studies.plan.MERIDIAN_LEVELS", (1,))
+    monkeypatch.setattr("studies.planning.plan.MERIDIAN_LEVELS", (1,))
     text = (
         small_scene.read_text()
         .replace("[5.0, 10.0]", "[5.0, 60.0]")
@@ -263,7 +263,7 @@ def test_fields_asked_for_later_are_written_from_the_kept_states(small_scene, so
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 def test_full_disk_is_an_error_with_the_path(tmp_path, monkeypatch):
-    from studies.results import write_text_atomically
+    from studies.results.files import write_text_atomically
 
     def full(self, *_):
         return open("/dev/full", "wb", buffering=0)

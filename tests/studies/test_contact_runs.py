@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-import studies.contact
-from solvers.linear import Factor
-from solvers.newton import NewtonSettings, solve_equilibrium
-from studies.build import Tip, scene_meridian, scene_problem
-from studies.contact import CONTACT_FILE, LIMIT, MODELLED, read_reports, scene_contact
+import studies.models.contact
+from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
+from solvers.linear.factor import Factor
+from studies.models.build import Tip, scene_meridian, scene_problem
+from studies.models.contact import CONTACT_FILE, LIMIT, MODELLED, read_reports, scene_contact
+from studies.models.run_log import CONTACT, Log, Run
+from studies.models.runs import run_axisymmetric
 from studies.progress import Progress
-from studies.run_log import CONTACT, Log, Run
-from studies.runs import run_axisymmetric
-from studies.scene import Contact, Scene, load_scene
+from studies.scene.bellows import Contact, Scene, load_scene
 
 WALL_MM = 2.0
 
@@ -91,7 +91,7 @@ def test_a_run_that_was_interrupted_in_contact_goes_on_as_if_not(
 
 
 def test_an_open_scene_makes_no_contact(smoke: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(studies.contact, "scene_contact", None)  # would raise if called
+    monkeypatch.setattr(studies.models.contact, "scene_contact", None)  # would raise if called
     run = solved(changed(smoke, [2.0]), tmp_path)
     assert run.summary.status == "reached"
     assert not any(n.startswith((MODELLED, CONTACT)) for n in run.summary.plan)

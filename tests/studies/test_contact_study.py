@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from studies import vacuum_study
-from studies.contact import LIMIT, STIFFNESS
-from studies.contact_exact import exact_rows
-from studies.contact_study import exact_table, state_table
+from studies.contact.exact import exact_rows
+from studies.contact.study import exact_table, state_table
+from studies.models.contact import LIMIT, STIFFNESS
 from studies.progress import Progress
-from studies.rows import REACHED, Row, read_rows, row
-from studies.scene import Scene, load_scene
+from studies.results.rows import REACHED, Row, read_rows, row
+from studies.scene.bellows import Scene, load_scene
+from studies.vacuum import study as vacuum_study
 
 
 @pytest.fixture(scope="module")

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from studies import cost_study
-from studies.cost_cells import BELLOWS, TUBE, Cell, Measurement, all_cells, cell_scene, is_default, measurement
-from studies.cost_report import by_rung, write_cost_report
-from studies.cost_rows import (
+from studies.cost import study as cost_study
+from studies.cost.cells import BELLOWS, TUBE, Cell, Measurement, all_cells, cell_scene, is_default, measurement
+from studies.cost.report import by_rung, write_cost_report
+from studies.cost.rows import (
     BELLOWS_FLOOR_PERCENT,
     Point,
     farming_rows,
@@ -22,9 +22,9 @@ from studies.cost_rows import (
     points,
     power_law,
 )
-from studies.cost_study import Store, cell_key, measure_cell, peer_rows, study_rows
-from studies.rows import Row, read_rows, row, write_rows
-from studies.scene import Scene
+from studies.cost.study import Store, cell_key, measure_cell, peer_rows, study_rows
+from studies.results.rows import Row, read_rows, row, write_rows
+from studies.scene.bellows import Scene
 
 MERIDIANS = [Cell(BELLOWS, "axisymmetric", "tet", f"r{r}", "auto") for r in (1, 2, 4)]
 BODY = Cell(BELLOWS, "full3d", "hex", "n8", "warm", 2, 1)

@@ -13,17 +13,17 @@ import pytest
 from click.testing import CliRunner
 
 import studies.__main__
-import studies.dimensions
+import studies.dimensions.study
 from analytical.bellows_loads import held_tip
 from analytical.chains import BALANCED, closed_form
 from analytical.fit import WITHIN, mass_allowed, members_of, rings_g, silicone_g
 from analytical.paper import FAMILIES, PRINTED, REFERENCE_FAMILY, actuators
-from studies.build import masses_g, scene_meridian
-from studies.dimension_fit import DimensionStudy, pick_sets, quantities
-from studies.dimension_scenes import buildable, scene_of, standard_fittings, write_scenes
-from studies.dimensions import write_study
-from studies.rows import read_rows
-from studies.scene import STABLE_STRETCH, dimensions_of, law_of, load_scene
+from studies.dimensions.fit import DimensionStudy, pick_sets, quantities
+from studies.dimensions.scenes import buildable, scene_of, standard_fittings, write_scenes
+from studies.dimensions.study import write_study
+from studies.models.build import masses_g, scene_meridian
+from studies.results.rows import read_rows
+from studies.scene.bellows import STABLE_STRETCH, dimensions_of, law_of, load_scene
 
 TWELVE = [actuator for family in FAMILIES for actuator in actuators(family)]
 every_actuator = pytest.mark.parametrize("actuator", TWELVE, ids=[actuator.name for actuator in TWELVE])
@@ -128,7 +128,7 @@ def test_predictions_against_single_actuators() -> None:
 @pytest.mark.parametrize("as_recorded", [True, False])
 def test_scenes_are_written_only_if_the_record_holds(as_recorded, tmp_path, monkeypatch) -> None:
     picks = SimpleNamespace(as_recorded=as_recorded, families=FAMILIES)
-    monkeypatch.setattr(studies.dimensions, "write_study", lambda out: SimpleNamespace(picks=picks))
+    monkeypatch.setattr(studies.dimensions.study, "write_study", lambda out: SimpleNamespace(picks=picks))
     monkeypatch.setattr(studies.__main__.provenance, "ROOT", tmp_path)
     asked = ["dimensions", "--out", str(tmp_path / "out"), "--write-scenes"]
     result = CliRunner().invoke(studies.__main__.main, asked)

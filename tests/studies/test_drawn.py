@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 from matplotlib.image import imread
 
-from studies import drawn, rows
-from studies.drawn import key_of, once
-from studies.plots import figure_file
-from studies.rows import row
+from studies.report import drawn
+from studies.report.drawn import key_of, once
+from studies.report.plots import figure_file
+from studies.results import rows
+from studies.results.rows import row
 
 
 class Painter:

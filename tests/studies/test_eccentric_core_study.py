@@ -13,15 +13,15 @@ from scipy.spatial.transform import Rotation
 from meshes.errors import GeometryError
 from solvers.state import State
 from studies.__main__ import main
-from studies.build import scene_body, scene_meridian
-from studies.imperfection_study import Case, run_study, write_report
-from studies.levels import BodyLevel
-from studies.plan import describe, make_plan
-from studies.rows import read_rows
-from studies.runs import run_hash
-from studies.scene import core_shift_mm, load_scene, without_eccentricity
-from studies.sections import SceneError
-from studies.tip_pose import tip_pose
+from studies.imperfection.study import Case, run_study, write_report
+from studies.models.build import scene_body, scene_meridian
+from studies.models.runs import run_hash
+from studies.models.tip_pose import tip_pose
+from studies.planning.levels import BodyLevel
+from studies.planning.plan import describe, make_plan
+from studies.results.rows import read_rows
+from studies.scene.bellows import core_shift_mm, load_scene, without_eccentricity
+from studies.scene.sections import SceneError
 
 ROOT = Path(__file__).resolve().parents[2]
 SHORT = ROOT / "scenes" / "imperfection" / "short-core-10.toml"

@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from studies import error_model, provenance
-from studies.build import scene_meridian
-from studies.error_fit import (
+from studies.cost.error_fit import (
     FINEST,
     TOLERANCE_SCENES,
     TRAINING,
@@ -25,7 +23,9 @@ from studies.error_fit import (
     time_laws,
     training_scenes,
 )
-from studies.error_model import (
+from studies.models.build import scene_meridian
+from studies.planning import error_model
+from studies.planning.error_model import (
     FITS,
     LEVELS,
     Cells,
@@ -39,8 +39,9 @@ from studies.error_model import (
     predicted_unknowns,
 )
 from studies.progress import Progress
-from studies.rows import row
-from studies.scene import Scene, load_scene
+from studies.results import provenance
+from studies.results.rows import row
+from studies.scene.bellows import Scene, load_scene
 
 CHECKS = sorted(TOLERANCE_SCENES.glob("*.toml"))
 

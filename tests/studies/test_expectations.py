@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 from mpi4py import MPI
 
-from studies import provenance
-from studies.expectations import CHECKED_ERROR, PREDICTED_ERROR, PREDICTED_WORK, WORK
-from studies.plan import describe, make_plan
+from studies.models.session import SceneResult, read_scene_folder, run_plan
+from studies.planning.expectations import CHECKED_ERROR, PREDICTED_ERROR, PREDICTED_WORK, WORK
+from studies.planning.plan import describe, make_plan
 from studies.progress import Progress
-from studies.scene import Scene, load_scene
-from studies.session import SceneResult, read_scene_folder, run_plan
+from studies.results import provenance
+from studies.scene.bellows import Scene, load_scene
 
 SCENE = provenance.ROOT / "scenes" / "peers" / "bellows.toml"
 

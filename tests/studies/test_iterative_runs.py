@@ -9,13 +9,13 @@ import pytest
 from mpi4py import MPI
 
 from solvers.errors import Cause, StepFailed
-from solvers.linear import Factor
-from studies import runs
-from studies.exact_scene import load_any_scene
-from studies.levels import BodyLevel
+from solvers.linear.factor import Factor
+from studies.models import runs
+from studies.planning.levels import BodyLevel
 from studies.progress import Progress
-from studies.scene import Scene, load_scene
-from studies.sections import SceneError
+from studies.scene.bellows import Scene, load_scene
+from studies.scene.bodies import load_any_scene
+from studies.scene.sections import SceneError
 
 ROOT = Path(__file__).resolve().parents[2]
 

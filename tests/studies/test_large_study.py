@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from studies import large_study
-from studies.large_cell import LargeCell
-from studies.large_report import amdahl, crossing, points_table, power_law, render_large
-from studies.rows import read_rows
+from studies.large import study as large_study
+from studies.large.cell import LargeCell
+from studies.large.report import amdahl, crossing, points_table, power_law, render_large
+from studies.results.rows import read_rows
 
 
 def cell(method: str, unknowns: int, seconds: float, memory: float, ranks: int = 2) -> LargeCell:

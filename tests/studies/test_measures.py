@@ -15,7 +15,10 @@ from analytical.bellows_loads import held_tip
 from analytical.chains import closed_form
 from meshes.bellows import BellowsShape, wall_segments
 from solvers.state import State
-from studies.measures import (
+from studies.models.runs import run_axisymmetric
+from studies.progress import Progress
+from studies.results.files import PathRow
+from studies.results.measures import (
     NEAR_EDGE_MM,
     Places,
     curve_length,
@@ -27,12 +30,9 @@ from studies.measures import (
     model_values,
     unfolding_pressure,
 )
-from studies.progress import Progress
-from studies.results import PathRow
-from studies.rows import Row
-from studies.runs import run_axisymmetric
-from studies.scene import Load, Scene, dimensions_of, law_of, load_scene, shape_of
-from studies.states import save_state
+from studies.results.rows import Row
+from studies.results.states import save_state
+from studies.scene.bellows import Load, Scene, dimensions_of, law_of, load_scene, shape_of
 
 RINGS = ("rigid", "meshed", "none")
 # u_r = (a - 1) r, u_z = (b - 1) z + g r

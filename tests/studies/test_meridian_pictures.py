@@ -16,14 +16,14 @@ from matplotlib.patches import Rectangle
 
 from meshes.solid import REGIONS
 from solvers.state import State
-from studies import meridian_pictures
-from studies.build import scene_meridian
-from studies.meridian_pictures import RootPanel, draw_root_fields, root_panel
-from studies.pictures import RingBox, Still, draw_side_by_side
-from studies.plots import figure_file
-from studies.results import PathRow
-from studies.scene import Scene, load_scene, shape_of
-from studies.states import save_state
+from studies.models.build import scene_meridian
+from studies.report import meridian_pictures
+from studies.report.meridian_pictures import RootPanel, draw_root_fields, root_panel
+from studies.report.pictures import RingBox, Still, draw_side_by_side
+from studies.report.plots import figure_file
+from studies.results.files import PathRow
+from studies.results.states import save_state
+from studies.scene.bellows import Scene, load_scene, shape_of
 
 STRETCH, WIDENING, PRESSURE_MPA = 1.5, 1.1, 0.03
 
@@ -154,7 +154,7 @@ def test_the_view_from_outside(tmp_path: Path, two_cells: Callable[[Path], None]
 
 
 def test_the_axis_is_level_in_the_view_from_outside() -> None:
-    from studies.pictures import _view
+    from studies.report.pictures import _view
 
     towards, plane = _view()
     assert plane @ [0.0, 0.0, 1.0] == pytest.approx([math.hypot(*towards[:2]), 0.0])

@@ -8,10 +8,10 @@ import pytest
 from click.testing import CliRunner
 
 from studies.__main__ import main
-from studies.plan import around_for, describe, make_plan
-from studies.results import read_path, read_summary
-from studies.scene import in_hexahedra, load_scene
-from studies.sections import SceneError
+from studies.planning.plan import around_for, describe, make_plan
+from studies.results.files import read_path, read_summary
+from studies.scene.bellows import in_hexahedra, load_scene
+from studies.scene.sections import SceneError
 
 ROOT = Path(__file__).resolve().parents[2]
 

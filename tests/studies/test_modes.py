@@ -12,18 +12,18 @@ from mpi4py import MPI
 
 from meshes.bodies import tube_meridian
 from meshes.sweep import revolve_hexahedra
-from solvers.harmonics import Shape
-from studies import modes_run
+from solvers.stability.harmonics import Shape
 from studies.__main__ import main
-from studies.modes_full3d import on_full_circle
-from studies.modes_pictures import revolved_mode
-from studies.modes_run import WARNING, counts_of, read_crossings, read_shape
+from studies.models import modes as modes_run
+from studies.models.farm import run_sweep
+from studies.models.modes import WARNING, counts_of, read_crossings, read_shape
+from studies.models.runs import run_axisymmetric
+from studies.modes.full3d import on_full_circle
+from studies.modes.pictures import revolved_mode
 from studies.progress import Progress
-from studies.results import read_path, read_summary
-from studies.rows import is_reached, read_rows
-from studies.runs import run_axisymmetric
-from studies.scene import load_scene
-from studies.sweep import run_sweep
+from studies.results.files import read_path, read_summary
+from studies.results.rows import is_reached, read_rows
+from studies.scene.bellows import load_scene
 
 ROOT = Path(__file__).resolve().parents[2]
 

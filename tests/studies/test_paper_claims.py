@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from studies.paper_cases import ALTERNATE_SCENES, REFERENCE_SCENES
-from studies.paper_claims import (
+from studies.paper.cases import ALTERNATE_SCENES, REFERENCE_SCENES
+from studies.paper.claims import (
     bends_first,
     claims,
     cost_rises,
@@ -23,9 +23,9 @@ from studies.paper_claims import (
     thicker_wall_shortens_alike,
     unfolded_at_highest,
 )
-from studies.paper_results import CaseResult, PaperResults
-from studies.paper_verdicts import above, all_of, below, over_sets, smaller
-from studies.rows import Row, row
+from studies.paper.results import CaseResult, PaperResults
+from studies.paper.verdicts import above, all_of, below, over_sets, smaller
+from studies.results.rows import Row, row
 from tests.studies.paper_demo import ALL, case_of, make_case, make_results, scene_of, usual_tip
 
 HOLDS, FAILS, OPEN = "holds", "does not hold", "cannot tell"
@@ -222,5 +222,5 @@ def test_printed_gaps_are_recomputed(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "-2.6, +0.2, -1.7, -2.5 cm" in claim.finding
     assert "+0.9, +2.4, +2.0, -0.3 cm" in claim.finding  # 15.0, 10.0, 7.0, 4.5 less the test
     assert model_gap(results).verdict == HOLDS
-    monkeypatch.setattr("studies.paper_claims.SIMULATION_GAP_CM", 2.4)
+    monkeypatch.setattr("studies.paper.claims.SIMULATION_GAP_CM", 2.4)
     assert simulation_gap(results).verdict == FAILS

@@ -12,15 +12,15 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
-from studies import paper_plots
-from studies.paper_cases import Case, Group, case_text, cases
-from studies.paper_results import CaseResult, PaperResults
-from studies.plots import figure_file
-from studies.results import PathRow, RunSummary
-from studies.rows import FOLDED_BACK, REACHED, Row, row
-from studies.run_log import Run
-from studies.scene import Scene
-from studies.session import SceneResult
+from studies.models.run_log import Run
+from studies.models.session import SceneResult
+from studies.paper import plots as paper_plots
+from studies.paper.cases import Case, Group, case_text, cases
+from studies.paper.results import CaseResult, PaperResults
+from studies.report.plots import figure_file
+from studies.results.files import PathRow, RunSummary
+from studies.results.rows import FOLDED_BACK, REACHED, Row, row
+from studies.scene.bellows import Scene
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
 DRAW = [

@@ -8,21 +8,19 @@ from pathlib import Path
 
 import pytest
 
-from studies import (
-    paper_audit,
-    paper_bond_tables,
-    paper_summary,
-    paper_tables,
-    paper_time_tables,
-    paper_variant_tables,
-)
-from studies.paper_cases import REFERENCE_SCENES
-from studies.paper_claims import claims
-from studies.paper_numbers import number
-from studies.paper_report import write_paper_report
-from studies.paper_results import CaseResult, PaperResults
-from studies.rows import read_rows, row
-from studies.tables import MISSING, Table
+from studies.paper import audit as paper_audit
+from studies.paper import bond_tables as paper_bond_tables
+from studies.paper import summary as paper_summary
+from studies.paper import tables as paper_tables
+from studies.paper import time_tables as paper_time_tables
+from studies.paper import variant_tables as paper_variant_tables
+from studies.paper.cases import REFERENCE_SCENES
+from studies.paper.claims import claims
+from studies.paper.numbers import number
+from studies.paper.report import write_paper_report
+from studies.paper.results import CaseResult, PaperResults
+from studies.report.tables import MISSING, Table
+from studies.results.rows import read_rows, row
 from tests.studies.paper_demo import case_of, make_case, make_results, scene_of, usual_tip, whole
 
 FIRST = REFERENCE_SCENES[0]

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 from mpi4py import MPI
 
-from studies import paper_study
-from studies.paper_cases import Case, audit_cases, case_text, cases
+from studies.paper import study as paper_study
+from studies.paper.cases import Case, audit_cases, case_text, cases
 from studies.progress import Progress
-from studies.results import SUMMARY_FILE
-from studies.scene import load_scene
+from studies.results.files import SUMMARY_FILE
+from studies.scene.bellows import load_scene
 
 SMALL = "smoke-t2-ri5"
 LOW = {"load.pressure_kpa": [2.0], "ask.fields": False}

@@ -9,13 +9,13 @@ import pytest
 
 from analytical.materials import PLA
 from meshes.cells import cell_shape
-from studies import peer_study
-from studies.peer_fronts import Point, best, floored, front, lasting, ratio_at_equal_error, ratio_to_fastest, time_at
-from studies.peer_study import Measurement, comparison_rows, last_json, lines_to_write, peer_command, timed
 from studies.peers import environment
+from studies.peers import study as peer_study
 from studies.peers.exchange import Level, peer_mesh, write_peer_mesh
 from studies.peers.febio_deck import write_febio_deck
-from studies.scene import load_scene
+from studies.peers.fronts import Point, best, floored, front, lasting, ratio_at_equal_error, ratio_to_fastest, time_at
+from studies.peers.study import Measurement, comparison_rows, last_json, lines_to_write, peer_command, timed
+from studies.scene.bellows import load_scene
 
 
 @pytest.fixture(scope="module")

@@ -12,11 +12,11 @@ import pytest
 from matplotlib.image import imread as read_png
 from numpy.typing import NDArray
 
-from studies.pictures import RingBox, Still, draw_states
-from studies.report import SceneReport, verdict, write_report
-from studies.results import PathRow, RunSummary, read_path
-from studies.rows import Row, read_rows, row
-from studies.tables import headline
+from studies.report.pictures import RingBox, Still, draw_states
+from studies.report.scenes import SceneReport, verdict, write_report
+from studies.report.tables import headline
+from studies.results.files import PathRow, RunSummary, read_path
+from studies.results.rows import Row, read_rows, row
 
 PRESSURES = (10.0, 20.0)
 AXISYMMETRIC = {"r1": (50.343, 74.620), "r2": (50.242, 74.485), "r4": (50.222, 74.442)}

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studies.scene import bond_grade, inverse_kappa, law_of, load_scene, shape_of
-from studies.sections import SceneError
+from studies.scene.bellows import bond_grade, inverse_kappa, law_of, load_scene, shape_of
+from studies.scene.sections import SceneError
 
 ROOT = Path(__file__).resolve().parents[2]
 REFERENCE = (ROOT / "scenes" / "heung-t2-ri5.toml").read_text(encoding="utf-8")

@@ -9,10 +9,10 @@ import pytest
 
 from meshes.solid import SolidMesh
 from solvers.state import State
-from studies.build import scene_body, scene_meridian
-from studies.gaps import GapMeter
-from studies.run_log import CONTACT, ending
-from studies.scene import Scene, load_scene
+from studies.models.build import scene_body, scene_meridian
+from studies.models.gaps import GapMeter
+from studies.models.run_log import CONTACT, ending
+from studies.scene.bellows import Scene, load_scene
 
 
 @pytest.fixture(scope="module")

@@ -10,12 +10,13 @@ from mpi4py import MPI
 
 from analytical.materials import DRAGON_SKIN_10, NeoHooke
 from analytical.sphere import Sphere, limit_point
-from studies import stability_run, stability_study
-from studies.rows import read_rows
-from studies.stability_cells import AXES, Bellows, Cell, Round, cells, controls
-from studies.stability_exact import exact_answer
-from studies.stability_report import Result, demands_of
-from studies.stability_run import Outcome, key_of, read_outcome, run_cell
+from studies.results.rows import read_rows
+from studies.stability import run as stability_run
+from studies.stability import study as stability_study
+from studies.stability.cells import AXES, Bellows, Cell, Round, cells, controls
+from studies.stability.exact import exact_answer
+from studies.stability.report import Result, demands_of
+from studies.stability.run import Outcome, key_of, read_outcome, run_cell
 
 TUBE = Round("tube", along=1, through=2)
 SPHERE = Round("sphere", along=4, through=2)

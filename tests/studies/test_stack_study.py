@@ -10,9 +10,9 @@ from dataclasses import asdict
 import pytest
 from click.testing import CliRunner
 
-from studies.rows import row, write_rows
-from studies.stack_figures import Figures
-from studies.stack_study import compare, main
+from studies.results.rows import row, write_rows
+from studies.stacks.figures import Figures
+from studies.stacks.study import compare, main
 
 ROWS = [
     row("a", "tip_mm", "mm", 5.0, "axisymmetric", 50.0, "r2"),

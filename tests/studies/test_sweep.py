@@ -18,17 +18,19 @@ import pytest
 from mpi4py import MPI
 
 from solvers.errors import SolverError
-from studies import runs, sweep, sweep_study
-from studies.closed_form_tables import SILICONES
-from studies.paper_cases import case_text, cases
+from studies.closed_form.tables import SILICONES
+from studies.models import farm as sweep
+from studies.models import runs
+from studies.models.farm import SweepOutcome, SweepRow, read_table, run_sweep, write_table
+from studies.paper.cases import case_text, cases
 from studies.progress import Progress
-from studies.rows import read_rows
-from studies.scene_text import changed_text
-from studies.sections import SceneError
-from studies.sweep import SweepOutcome, SweepRow, read_table, run_sweep, write_table
-from studies.sweep_file import read_sweep
-from studies.sweep_rules import Point, Rule, across, one_factor, two_factors
-from studies.sweep_study import CHAINS, COUNT_KEY, ROOT_KEY, WALL_KEY, write_sweep_report
+from studies.results.rows import read_rows
+from studies.scene.sections import SceneError
+from studies.scene.sweep import read_sweep
+from studies.scene.text import changed_text
+from studies.sweep import study as sweep_study
+from studies.sweep.rules import Point, Rule, across, one_factor, two_factors
+from studies.sweep.study import CHAINS, COUNT_KEY, ROOT_KEY, WALL_KEY, write_sweep_report
 
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = Path(__file__).with_name("sweep_script.py")

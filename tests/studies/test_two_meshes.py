@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from studies.compare import MERIDIAN_ORDER, scene_rows, tip_convergence
+from studies.results.compare import MERIDIAN_ORDER, scene_rows, tip_convergence
 from tests.studies.paper_demo import make_run, scene_of
 
 FIRST = "heung-t1-ri5"

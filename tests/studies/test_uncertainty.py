@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from studies.uncertainty import SAFETY, SAFETY_IN_DOUBT, convergence, from_two
+from studies.results.uncertainty import SAFETY, SAFETY_IN_DOUBT, convergence, from_two
 
 
 @pytest.mark.parametrize("order", [1.5, 2.0, 2.7])

@@ -1,0 +1,1 @@
+"""Frictionless contact of axisymmetric walls with themselves and with rigid bodies."""

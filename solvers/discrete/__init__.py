@@ -1,0 +1,1 @@
+"""Meshes, elements and kinematics: what a field lives on."""

@@ -1,0 +1,1 @@
+"""Stored energies, their laws and loads as weak forms."""

@@ -1,0 +1,126 @@
+"""Stored energies as UFL functions of the isochoric invariants, with derivatives written out.
+
+A law is ``W(I1, I2)`` with ``I1 = J^(-2/3) tr C`` and ``I2 = J^(-4/3) (tr^2 C - tr C^2)/2``. Its numbers are UFL
+constants: new values need no compilation. Derivatives by the chain rule compile in seconds where automatic
+differentiation of the Ogden form takes about a minute.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from analytical.materials import Guccione, NeoHooke, Ogden, Yeoh
+from solvers.energy.ogden import FIT_RANGE, power_trace, trace_derivatives
+from solvers.errors import SolverError
+
+Derivatives = dict[tuple[int, int], Any]
+Law = NeoHooke | Yeoh | Ogden | Guccione
+
+
+@dataclass(frozen=True)
+class CompiledLaw:
+    """A law bound to a mesh.
+
+    Attributes
+    ----------
+    derivatives
+        Function of (I1, I2) giving W and its derivatives, keyed by orders (a, b), a + b <= 2.
+    uses_second_invariant
+        False if W depends on I1 alone, so that forms can leave I2 out.
+    invariant_limits
+        Largest (I1, I2) for which the law's numbers hold.
+    """
+
+    derivatives: Callable[[Any, Any], Derivatives]
+    uses_second_invariant: bool
+    invariant_limits: tuple[float, float]
+
+
+def compile_law(law: Law, mesh: Any) -> CompiledLaw:
+    """Bind a material law to a mesh.
+
+    Parameters
+    ----------
+    law
+        Neo-Hooke ``W = mu/2 (I1 - 3)``; Yeoh ``W = sum C_i (I1 - 3)^i``, initial shear modulus 2 C1; Ogden
+        ``W = prefactor (sum lambda_i^alpha - 3)`` with prefactor 2 mu/alpha^2 (initial shear modulus mu) or
+        mu/alpha (initial shear modulus mu alpha/2) by its named convention; Guccione, isotropic,
+        ``W = C/2 (exp(b E:E) - 1)``, initial shear modulus b C/2. MPa.
+    mesh
+        dolfinx mesh that owns the constants.
+
+    Returns
+    -------
+    CompiledLaw
+
+    Raises
+    ------
+    SolverError
+        For a law this solver does not know.
+    """
+    if isinstance(law, NeoHooke):
+        return _yeoh((0.5 * law.mu_mpa,), mesh)
+    if isinstance(law, Yeoh):
+        return _yeoh(tuple(law.c_mpa), mesh)
+    if isinstance(law, Ogden):
+        return _ogden(law, mesh)
+    if isinstance(law, Guccione):
+        return _guccione(law, mesh)
+    raise SolverError(f"no finite-element form for the law {type(law).__name__}; use NeoHooke, Yeoh, Ogden or Guccione")
+
+
+def _yeoh(coefficients: tuple[float, ...], mesh: Any) -> CompiledLaw:
+    c = fem.Constant(mesh, np.asarray(coefficients, dtype=np.float64))
+
+    def derivatives(i1: Any, i2: Any) -> Derivatives:
+        x = i1 - 3.0
+        w = w1 = w11 = 0.0
+        for k in range(len(coefficients), 0, -1):
+            w = (w + c[k - 1]) * x
+            w1 = w1 * x + k * c[k - 1]
+            if k > 1:
+                w11 = w11 * x + k * (k - 1) * c[k - 1]
+        return {(0, 0): w, (1, 0): w1, (0, 1): 0.0, (2, 0): w11, (1, 1): 0.0, (0, 2): 0.0}
+
+    return CompiledLaw(derivatives, False, (np.inf, np.inf))
+
+
+def _ogden(law: Ogden, mesh: Any) -> CompiledLaw:
+    shape = power_trace(law.alpha)
+    prefactor = fem.Constant(mesh, float(law.prefactor_mpa))
+    constant = fem.Constant(mesh, float(shape.constant))
+    poles = fem.Constant(mesh, np.asarray(shape.poles or (0.0,), dtype=np.float64))
+    weights = fem.Constant(mesh, np.asarray(shape.weights or (0.0,), dtype=np.float64))
+
+    def derivatives(i1: Any, i2: Any) -> Derivatives:
+        d = trace_derivatives(i1, i2, shape, constant, poles, weights)
+        return {k: prefactor * ((v - 3.0) if k == (0, 0) else v) for k, v in d.items()}
+
+    low, high = FIT_RANGE
+    # I1 >= each x_i and I2 >= each 1/x_i, so these limits keep all x_i in the fit's range.
+    return CompiledLaw(derivatives, True, (high, 1.0 / low))
+
+
+def _guccione(law: Guccione, mesh: Any) -> CompiledLaw:
+    """``W = C/2 (exp(Q) - 1)``, ``Q = b E:E = b/4 (I1^2 - 2 I2 - 2 I1 + 3)``, of the isochoric part of the strain."""
+    c, b = fem.Constant(mesh, float(law.c_mpa)), fem.Constant(mesh, float(law.b))
+
+    def derivatives(i1: Any, i2: Any) -> Derivatives:
+        growth = 0.5 * c * ufl.exp(0.25 * b * (i1 * i1 - 2.0 * i2 - 2.0 * i1 + 3.0))
+        by_1, by_2 = 0.5 * b * (i1 - 1.0), -0.5 * b
+        return {
+            (0, 0): growth - 0.5 * c,
+            (1, 0): growth * by_1,
+            (0, 1): growth * by_2,
+            (2, 0): growth * (by_1 * by_1 + 0.5 * b),
+            (1, 1): growth * by_1 * by_2,
+            (0, 2): growth * by_2 * by_2,
+        }
+
+    return CompiledLaw(derivatives, True, (np.inf, np.inf))

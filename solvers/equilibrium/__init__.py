@@ -1,0 +1,1 @@
+"""Newton's method under a held pressure, volume or plane."""

@@ -1,0 +1,1 @@
+"""Linear solves: factorisations with their count of negative pivots, and iterations."""

@@ -1,0 +1,1 @@
+"""Paths of converged states: steps, arc length, warm starts, branches, checkpoints, why they end."""

@@ -1,0 +1,110 @@
+"""Checkpoints: what a path needs to go on, in one file, in the caller's numbering and so for any number of ranks.
+
+A file is a zip archive of arrays, whose parts carry checksums; it is written beside the old one and then renamed. A
+file that is damaged, or was written for another content, is refused with the reason.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from solvers.errors import Cause, SolverError
+from solvers.files import write_atomically
+from solvers.paths.records import Crossing, GuessMemory, PathMemory, PathPoint
+from solvers.state import State
+
+_NUMBERS = [f.name for f in fields(Crossing) if f.name not in ("state", "mode")]
+
+
+class CheckpointError(SolverError):
+    """A checkpoint that cannot be used; the message names the file and says why."""
+
+
+def write_checkpoint(path: Path, label: str, memory: PathMemory | GuessMemory, notes: Any) -> None:
+    """Write a checkpoint atomically. One rank calls.
+
+    Parameters
+    ----------
+    path
+        The file.
+    label
+        What the path belongs to, for instance a hash of its inputs.
+    memory
+        What a path following handed to ``on_step``.
+    notes
+        Anything that can be written as JSON, handed back by `read_checkpoint`.
+    """
+    if isinstance(memory, PathMemory):
+        states = [p.state for p in memory.history]
+        facts: dict[str, Any] = {
+            "kind": "path",
+            "points": [_facts(p) for p in memory.history],
+            "control": memory.control,
+            "step": memory.step,
+            "stiffest_mpa_per_mm3": memory.stiffest_mpa_per_mm3,
+        }
+    else:
+        states = [memory.last.state, memory.guess]
+        facts = {"kind": "guesses", "points": [_facts(memory.last)], "share": memory.share}
+    crossing = memory.crossing
+    facts |= {
+        "label": label,
+        "reached": memory.reached,
+        "rejected": memory.rejected,
+        "crossing": None if crossing is None else {name: getattr(crossing, name) for name in _NUMBERS},
+        "notes": notes,
+    }
+    arrays = {f"{k}.{name}": value for k, state in enumerate(states) for name, value in asdict(state).items()}
+    buffer = io.BytesIO()
+    np.savez(buffer, facts=json.dumps(facts), **arrays)
+    write_atomically(path, buffer.getvalue())
+
+
+def read_checkpoint(path: Path, label: str) -> tuple[PathMemory | GuessMemory, Any] | None:
+    """The memory and the notes of a checkpoint, None if there is no file.
+
+    Raises
+    ------
+    CheckpointError
+        If the file is truncated or damaged, or belongs to another label.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            facts = json.loads(str(data["facts"]))
+            count = sum(name.endswith(".load_mpa") for name in data.files)
+            states = [State(**{f.name: data[f"{k}.{f.name}"][()] for f in fields(State)}) for k in range(count)]
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+        raise CheckpointError(f"{path}: damaged, not used ({type(error).__name__}: {error})") from error
+    if facts["label"] != label:
+        raise CheckpointError(f"{path}: belongs to another scene, mesh or version of the code, not used")
+    crossing = facts["crossing"]
+    if crossing is not None:
+        crossing = Crossing(**{**crossing, "kind": Cause(crossing["kind"])})
+    points = [PathPoint(state, **point) for state, point in zip(states, facts["points"], strict=False)]
+    memory: PathMemory | GuessMemory
+    if facts["kind"] == "path":
+        memory = PathMemory(
+            tuple(points),
+            facts["control"],
+            facts["step"],
+            facts["reached"],
+            facts["rejected"],
+            facts["stiffest_mpa_per_mm3"],
+            crossing,
+        )
+    else:
+        memory = GuessMemory(points[0], states[1], facts["reached"], facts["share"], facts["rejected"], crossing)
+    return memory, facts["notes"]
+
+
+def _facts(point: PathPoint) -> dict[str, Any]:
+    return {f.name: getattr(point, f.name) for f in fields(PathPoint) if f.name != "state"}

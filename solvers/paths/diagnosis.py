@@ -1,0 +1,109 @@
+"""Why a path ended, in words with numbers and a remedy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from solvers.errors import Cause, StepFailed
+from solvers.paths.records import Control, Crossing, PathPoint
+
+REMEDY = {
+    Cause.INVERTED_CELL: "look at the shape there (a sharp corner, a fold), refine the mesh there or soften the bond's "
+    "edge",
+    Cause.MATERIAL_RANGE: "the law's numbers do not hold at such stretches: ask for less pressure or use another law",
+    Cause.LINEAR_SOLVER: "the tangent may be singular: check that supports hold the body",
+    Cause.OUT_OF_MEMORY: "use more memory or ranks, fewer cells, or a larger disk in MUMPS_OOC_TMPDIR",
+    Cause.NO_RESPONSE: 'use control = "pressure"',
+    Cause.CONTACT: "take smaller steps, or refine the mesh where the surfaces meet",
+    Cause.STEP_SIZE: "take smaller steps at first, or refine the mesh where the strain is largest",
+}
+
+
+def limit_pressure(history: Sequence[PathPoint]) -> float:
+    """Pressure in MPa at which dP/dV is going to vanish; NaN if it does not fall.
+
+    Near a limit point the pressure is a parabola of the volume, so that (dP/dV)^2 falls linearly with the pressure.
+    """
+    if len(history) < 2:
+        return math.nan
+    a, b = history[-2:]
+    fall = a.slope_mpa_per_mm3**2 - b.slope_mpa_per_mm3**2
+    if not (fall > 0.0 and b.pressure_mpa > a.pressure_mpa):
+        return math.nan
+    return b.pressure_mpa + b.slope_mpa_per_mm3**2 * (b.pressure_mpa - a.pressure_mpa) / fall
+
+
+def loss_of_stability(crossing: Crossing | None) -> str:
+    """A crossing in words; empty if there is none."""
+    if crossing is None:
+        return ""
+    where = f"at {1e3 * crossing.pressure_mpa:.6g} kPa (within {1e3 * crossing.within_mpa:.1g})"
+    counts = f"unstable modes at held pressure {crossing.modes_before} -> {crossing.modes_after}"
+    if crossing.kind is Cause.LIMIT_POINT:
+        return f"limit point {where}: dP/dV passes zero, {counts}"
+    return f"bifurcation {where}: {counts} while dP/dV is not zero"
+
+
+def failed_steps(
+    failure: StepFailed, history: Sequence[PathPoint], crossing: Crossing | None, control: Control, stiffest: float
+) -> tuple[Cause, str]:
+    """Kind and sentence for a path whose steps kept failing.
+
+    Parameters
+    ----------
+    failure
+        The last failure.
+    history
+        The last converged states.
+    crossing
+        Where stability was lost on the way, if it was.
+    control
+        What was held in the steps that failed.
+    stiffest
+        Largest dP/dV met, MPa/mm^3.
+    """
+    here = history[-1]
+    at = f"last state at {1e3 * here.pressure_mpa:.6g} kPa"
+    if failure.cause is Cause.OUT_OF_MEMORY:
+        return failure.cause, f"{failure}; {at}; {REMEDY[failure.cause]}"
+    limit = limit_pressure(history)
+    share = here.slope_mpa_per_mm3 / stiffest if stiffest > 0.0 else math.nan
+    if control == "pressure" and share < 0.2 and limit <= 1.02 * here.pressure_mpa:
+        return Cause.LIMIT_POINT, (
+            f"limit point near {1e3 * limit:.6g} kPa: dP/dV has fallen to {100.0 * share:.2g} % of its largest; {at}; "
+            'pressure control cannot pass it, control = "auto" or "volume" can'
+        )
+    lost = loss_of_stability(crossing)
+    if crossing is not None and crossing.kind is Cause.BIFURCATION and here.unstable:
+        return Cause.BIFURCATION, (
+            f"{lost}; beyond it the path followed is not the one the body takes, and its steps failed: {failure}; "
+            f"{at}; give the geometry a small imperfection in the critical mode to follow the other branch"
+        )
+    more = f"; on the way: {lost}" if lost else ""
+    kind = "" if failure.cause is Cause.MATERIAL_RANGE else f"{failure.cause}: "  # its message names itself
+    return failure.cause, f"{kind}{failure}; {at}{more}; {REMEDY[failure.cause]}"
+
+
+def too_large(multiple: float, highest: PathPoint, asked_mpa: float, crossing: Crossing | None) -> tuple[Cause, str]:
+    """Kind and sentence for a path that ended because the cavity grew beyond measure.
+
+    Parameters
+    ----------
+    multiple
+        The largest volume allowed, relative to the unloaded one.
+    highest
+        The state of highest pressure met.
+    asked_mpa
+        The pressure that was asked for next.
+    crossing
+        Where stability was lost on the way, if it was.
+    """
+    end = f"the cavity exceeds {multiple:g} times its unloaded volume and {1e3 * asked_mpa:.6g} kPa is not reached"
+    if crossing is not None and crossing.kind is Cause.LIMIT_POINT:
+        return Cause.LIMIT_POINT, f"{loss_of_stability(crossing)}; {end}; ask for less than the limit pressure"
+    lost = f"; on the way: {loss_of_stability(crossing)}" if crossing is not None else ""
+    return Cause.TOO_LARGE, (
+        f"{end}; highest pressure {1e3 * highest.pressure_mpa:.6g} kPa{lost}; check the units of the "
+        "material, or ask for less pressure"
+    )

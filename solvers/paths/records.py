@@ -1,0 +1,270 @@
+"""What path following works with and hands out: settings, converged states, crossings, and what a restart needs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal
+
+from solvers.equilibrium.newton import NewtonReport, NewtonSettings
+from solvers.errors import Cause
+from solvers.problem import Problem
+from solvers.state import State
+
+Control = Literal["pressure", "volume", "arc"]
+Progress = Callable[[str, float, int, float], None]
+
+
+@dataclass(frozen=True)
+class PathSettings:
+    """Step control.
+
+    Attributes
+    ----------
+    control
+        ``pressure``, ``volume`` or ``arc`` (length, see solvers.paths.arc): what the steps are taken in; ``auto``
+        starts with ``start_control`` and changes between the first two where one fails or comes near its limits, and
+        to the third where the volume turns back.
+    start_control
+        Pressure or volume: the one that needs fewer factorisations where both work; docs/decisions.md has the count.
+    first_step, largest_step
+        Volume steps as fractions of the unloaded volume.
+    first_pressure_step, largest_pressure_step
+        Pressure steps as fractions of the highest asked pressure; arc length begins with one of them.
+    largest_arc_step
+        Arc length of a step, in the scale of `solvers.paths.arc.scale_of`.
+    smallest_step
+        Below this fraction, of the same, the path is given up.
+    few_iterations, many_iterations
+        The step grows by ``growth`` at or below the first, shrinks by ``shrink`` above the second.
+    soft
+        Pressure control is left when dP/dV falls below this share of the largest met, and taken up again above twice
+        that share.
+    largest_volume
+        The path ends when the cavity exceeds this multiple of its unloaded volume.
+    crossing_tolerance
+        A change of the number of unstable modes is located to this share of the pressure; 0 leaves it unlocated.
+    newton
+        Settings of each solve.
+    """
+
+    control: Literal["auto", "pressure", "volume", "arc"] = "auto"
+    start_control: Control = "volume"
+    first_step: float = 0.3
+    largest_step: float = 0.5
+    first_pressure_step: float = 0.05
+    largest_pressure_step: float = 0.5
+    largest_arc_step: float = 0.25
+    smallest_step: float = 1e-4
+    few_iterations: int = 6
+    many_iterations: int = 8
+    growth: float = 1.5
+    shrink: float = 0.6
+    soft: float = 0.1
+    largest_volume: float = 40.0
+    crossing_tolerance: float = 1e-5
+    newton: NewtonSettings = field(default_factory=NewtonSettings)
+
+
+@dataclass(frozen=True)
+class PathState:
+    """A converged state of a path.
+
+    Attributes
+    ----------
+    state
+        Fields in the caller's numbering.
+    asked
+        True if the pressure was one of the asked ones.
+    control
+        ``pressure``, ``volume`` or ``arc``: which was held in the solve.
+    volume_mm3, energy_mj, reaction_n
+        Enclosed volume, stored energy, axial support force.
+    end_force_n
+        Axial force on what holds or loads the other end, see `solvers.problem.Problem.end_force`.
+    bond_slip_mm
+        Root mean square slip of the bond to rigid bodies, weighted with its grade; NaN without bodies.
+    newton
+        Cost and checks of the solve.
+    wall_s
+        Seconds since the path began.
+    """
+
+    state: State
+    asked: bool
+    control: Control
+    volume_mm3: float
+    energy_mj: float
+    reaction_n: float
+    end_force_n: float
+    bond_slip_mm: float
+    newton: NewtonReport
+    wall_s: float
+
+
+def record(problem: Problem, report: NewtonReport, asked: bool, control: Control, start: float) -> PathState:
+    """The problem's current state as a converged state of a path that began at ``start`` (perf_counter)."""
+    return PathState(
+        state=problem.get_state(),
+        asked=asked,
+        control=control,
+        volume_mm3=problem.cavity_volume(),
+        energy_mj=problem.energy(),
+        reaction_n=problem.reaction(),
+        end_force_n=problem.end_force(),
+        bond_slip_mm=float("nan") if problem.bonded is None else problem.bonded.rms_slip_mm(),
+        newton=report,
+        wall_s=time.perf_counter() - start,
+    )
+
+
+@dataclass(frozen=True)
+class PathPoint:
+    """What of a converged state decides the steps after it.
+
+    Attributes
+    ----------
+    state
+        Fields in the caller's numbering.
+    volume_mm3
+        Its volume.
+    compliance_mm3_per_mpa
+        dV/dP of the path there; NaN in the unloaded state, where it has not been computed.
+    unstable
+        Unstable modes at held pressure; None if not counted.
+    """
+
+    state: State
+    volume_mm3: float
+    compliance_mm3_per_mpa: float
+    unstable: int | None
+
+    @property
+    def pressure_mpa(self) -> float:
+        """Load factor."""
+        return self.state.load_mpa
+
+    @property
+    def slope_mpa_per_mm3(self) -> float:
+        """dP/dV; zero at a limit point."""
+        return 1.0 / self.compliance_mm3_per_mpa
+
+    @property
+    def unstable_at_volume(self) -> int | None:
+        """Unstable modes at held volume, by Haynsworth: one less where dP/dV < 0."""
+        return None if self.unstable is None else self.unstable - (self.compliance_mm3_per_mpa < 0.0)
+
+
+def point_of(item: PathState) -> PathPoint:
+    """The part of a converged state that decides later steps."""
+    report = item.newton
+    return PathPoint(item.state, item.volume_mm3, report.compliance_mm3_per_mpa, report.excess_negatives)
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """Where along a path the number of unstable modes changed first.
+
+    Attributes
+    ----------
+    kind
+        LIMIT_POINT: the pressure has an extremum and the count at held volume stays; BIFURCATION: it changes there too.
+    pressure_mpa, within_mpa
+        Pressure, and half the distance between the last state before and the first after.
+    volume_mm3
+        Volume.
+    modes_before, modes_after
+        Unstable modes at held pressure on the two sides.
+    state, mode
+        The state there, and the critical mode as displacements with 1 mm at most (its ``load_mpa`` is the critical
+        pressure); None when only the numbers were kept.
+    """
+
+    kind: Cause
+    pressure_mpa: float
+    within_mpa: float
+    volume_mm3: float
+    modes_before: int
+    modes_after: int
+    state: State | None = None
+    mode: State | None = None
+
+
+@dataclass(frozen=True)
+class Path:
+    """A path and how it ended.
+
+    Attributes
+    ----------
+    states
+        Converged states in order (of this process; a resumed path has the later ones).
+    reached
+        True if all asked pressures were reached.
+    cause, reason
+        Why it stopped, if not reached, as a kind and in words.
+    rejected
+        Number of steps given up and repeated smaller.
+    crossing
+        Where stability was lost, if it was.
+    """
+
+    states: tuple[PathState, ...]
+    reached: bool
+    reason: str
+    rejected: int
+    cause: Cause = Cause.REACHED
+    crossing: Crossing | None = None
+
+
+@dataclass(frozen=True)
+class PathMemory:
+    """All that a path needs to go on after its last converged state as if it had not been interrupted.
+
+    Attributes
+    ----------
+    history
+        The last converged states, at most three, the last one last.
+    control, step
+        The control in force and its next step, mm^3, MPa or arc length.
+    reached
+        Number of asked pressures reached.
+    rejected
+        Steps given up so far.
+    stiffest_mpa_per_mm3
+        Largest dP/dV met.
+    crossing
+        Where stability was lost; a memory read from a file has the numbers only.
+    """
+
+    history: tuple[PathPoint, ...]
+    control: Control
+    step: float
+    reached: int
+    rejected: int
+    stiffest_mpa_per_mm3: float
+    crossing: Crossing | None
+
+
+@dataclass(frozen=True)
+class GuessMemory:
+    """The same for a path along given first guesses.
+
+    Attributes
+    ----------
+    last, guess
+        The last converged state, and the guess it came from.
+    reached
+        Number of guesses reached.
+    share
+        Part of the way to the next guess that is tried next.
+    rejected, crossing
+        As in PathMemory.
+    """
+
+    last: PathPoint
+    guess: State
+    reached: int
+    share: float
+    rejected: int
+    crossing: Crossing | None

@@ -1,0 +1,289 @@
+"""Stability of an axisymmetric state against perturbations that are not: one tangent per harmonic of the angle.
+
+The operator lives on the meridian mesh of a `solvers.problem.Problem` and reads its state. What is held in three
+dimensions is held here:
+
+==============================  ==================================================================================
+held                            amplitudes (a, c, b) along (r, z, theta)
+==============================  ==================================================================================
+clamped                         all zero
+axially, also by a blocked tip  c = 0
+radially, off the axis          a = b = 0: what holds a wall radially holds it as a bond does
+the axis                        what a smooth field does there, see `solvers.stability.harmonic_forms`
+==============================  ==================================================================================
+
+Motions that nothing holds and that cost nothing (drift of a body that is only held axially, its spin) would make the
+tangent singular; one displacement is then pinned, which takes away nothing else.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse
+import ufl
+from dolfinx import fem
+from petsc4py import PETSc
+
+from solvers import compat
+from solvers.bodies.harmonic_bodies import MOTIONS, HarmonicBond
+from solvers.discrete.domain import FloatArray, IntArray
+from solvers.discrete.kinematics import kinematics
+from solvers.energy.loads import DEAD
+from solvers.errors import SolverError
+from solvers.problem import SOFT, STIFF, Problem
+from solvers.stability.harmonic_forms import harmonic_load, harmonic_tangent, new_wave
+from solvers.state import Timer
+
+# Nodes closer to the axis than this part of the mesh's radius are on it.
+ON_AXIS = 1e-9
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Amplitudes of a perturbation in the caller's numbering.
+
+    Attributes
+    ----------
+    waves
+        Its harmonic m.
+    amplitude_mm
+        Along (r, z, theta), to be multiplied by (cos m t, cos m t, sin m t), shape (nodes, 3); at m = 0 the last is
+        a twist.
+    bodies_mm
+        Translation and rotation times the arm of the rigid bodies, shape (bodies, 2).
+    """
+
+    waves: int
+    amplitude_mm: FloatArray
+    bodies_mm: FloatArray
+
+
+class Harmonics:
+    """Tangents of the harmonics about the current state of an axisymmetric problem; `select` says of which.
+
+    It can be given to `solvers.linear.factor.Factor`, which then counts the unstable modes of the harmonic.
+
+    Parameters
+    ----------
+    problem
+        A problem on a meridian, on one rank.
+
+    Raises
+    ------
+    SolverError
+        If the problem is not axisymmetric, on several ranks, of linear displacements, or its load not conservative.
+    """
+
+    conservative = True
+    contact = None
+
+    def __init__(self, problem: Problem) -> None:
+        if not problem.domain.axisymmetric or problem.comm.size != 1:
+            raise SolverError(
+                f"harmonics need a meridian on one rank, got dimension {problem.dimension} on {problem.comm.size} ranks"
+            )
+        if problem.element.displacement_degree != 2:
+            raise SolverError(f"harmonics need quadratic displacements, got {problem.element.name}")
+        if not problem.conservative:
+            raise SolverError("harmonics need a conservative load: the tangent of this one has no inertia to count")
+        self.problem, self.domain, self.comm = problem, problem.domain, problem.comm
+        self.timer = Timer()
+        self.waves = 0
+        mesh = self.domain.mesh
+        cell = mesh.ufl_cell()
+        displacement = compat.element("Lagrange", cell, problem.element.displacement_degree, (3,))
+        pressure = compat.sub_elements(problem.element.spaces(cell))[1]
+        self.space = compat.function_space(mesh, compat.mixed_element([displacement, pressure]))
+        self.index_map = self.space.dofmap.index_map
+        self.owned = self.index_map.size_local
+        self.bodies = 0 if problem.bonded is None else problem.bonded.count
+        self.extra = MOTIONS * self.bodies
+        self.bond: HarmonicBond | None = None
+        self._wave = new_wave(mesh)
+        self._number_unknowns()
+        self._find_supports()
+        self._coupled = self._coupled_dofs()
+        with self.timer("compile"):
+            self._compile()
+        self.select(0)
+
+    def _compile(self) -> None:
+        """All forms first, then their compilation: see `solvers.problem`."""
+        problem, mesh, degree = self.problem, self.domain.mesh, self.problem.quadrature_degree
+        kin = kinematics(mesh, True)
+        dx, ds = self.domain.dx(degree=degree), self.domain.ds(degree=degree)
+        measures = {"soft": ufl.dx(domain=mesh, degree=degree)}
+        if problem.stiff is not None:
+            measures = {"soft": dx(SOFT), "stiff": dx(STIFF)}
+        inverse_kappa = fem.Constant(mesh, problem.inverse_kappa)
+        wave = self._wave
+        tangent = harmonic_tangent(
+            self.space, problem.state, kin, problem.law, inverse_kappa, problem.stiff, measures, wave
+        )
+        kind, loaded = problem.surfaces.load
+        self._sense = -1.0 if kind == "suction" else 1.0
+        if kind == "suction":
+            tangent += problem.pressure * harmonic_load(self.space, problem.state, kin, ds(loaded), wave)
+        elif kind not in DEAD:
+            tangent -= problem.pressure * harmonic_load(self.space, problem.state, kin, ds(loaded), wave)
+        bodies = self.problem.bodies
+        if problem.bonded is not None and bodies is not None:
+            self.bond = HarmonicBond(problem.bonded, bodies, self.space, kin, wave)
+            tangent += self.bond.stiffness
+        self._tangent = compat.compile_form(tangent)
+        if self.bond is not None:
+            self.bond.compile()
+
+    # ---- unknowns and what is held -------------------------------------------------------------------------
+
+    def _number_unknowns(self) -> None:
+        """Dofs of (a, c, s) at the mesh's nodes (nodes, 3), and those of q."""
+        geometry = compat.geometry_dofs(self.domain.mesh)
+        self.u_dofs = np.zeros((len(self.domain.input_node), 3), dtype=np.int64)
+        for i in range(3):
+            self.u_dofs[geometry, i] = compat.cell_dofs(self.space.sub(0).sub(i))
+        on_cells = compat.cell_dofs(self.space.sub(1))
+        self.p_dofs = np.unique(on_cells).astype(np.int64)
+        self._stiff_pressure = np.zeros(0, dtype=np.int64)
+        if self.problem.stiff is not None:
+            tags = self.domain.cell_tags
+            soft = np.zeros(len(on_cells), dtype=bool)
+            soft[tags.indices[tags.values == SOFT]] = True
+            self._stiff_pressure = np.setdiff1d(self.p_dofs, np.unique(on_cells[soft]))
+        self._axis_pressure = np.zeros(0, dtype=np.int64)
+        if self.problem.element.pressure == "continuous":
+            corners = geometry[:, : self.domain.corners]
+            self._axis_pressure = np.unique(on_cells[self._on_axis[corners]]).astype(np.int64)
+
+    @property
+    def _on_axis(self) -> Any:
+        """True for each of the mesh's nodes that is on the axis."""
+        r = self.domain.mesh.geometry.x[:, 0]
+        return np.abs(r) <= ON_AXIS * np.abs(r).max()
+
+    def _find_supports(self) -> None:
+        """Held dofs of (a, c, s) off the axis, the same in every harmonic."""
+        surfaces, tags = self.problem.surfaces, self.domain.facet_tags
+        if surfaces.pinned:
+            raise SolverError("harmonics of a meridian with pinned nodes: hold a surface instead")
+        held = [] if surfaces.clamped is None else [(surfaces.clamped, i) for i in range(3)]
+        if surfaces.blocked is not None:
+            held.append((surfaces.blocked, 1))
+        for number, component in surfaces.held:
+            held += [(number, 1)] if component == 1 else [(number, 0), (number, 2)]
+        axis = self.u_dofs[self._on_axis].ravel()
+        self._held: list[IntArray] = []
+        for i in range(3):
+            facets = tags.indices[np.isin(tags.values, [number for number, j in held if j == i])]
+            dofs = fem.locate_dofs_topological(self.space.sub(0).sub(i), 1, facets).astype(np.int64)
+            # the axis is named as held radially
+            self._held.append(dofs if i == 1 else np.setdiff1d(dofs, axis))
+
+    def select(self, waves: int) -> None:
+        """Go over to a harmonic m >= 0: the next tangent is K_m."""
+        self.waves = waves
+        self._wave.set(waves)
+        on_axis = self.u_dofs[self._on_axis].T
+        smooth = {0: (0, 2), 1: (1, 2)}.get(waves, (0, 1, 2))
+        fixed = [np.union1d(d, on_axis[i]) if i in smooth else d for i, d in enumerate(self._held)]
+        none = np.zeros((0, MOTIONS), dtype=bool)
+        held = none if self.bond is None else self.bond.held(waves)
+        pin = self._pin(held)
+        if pin is not None:
+            fixed[pin[0]] = np.append(fixed[pin[0]], pin[1])
+        pressures = np.union1d(self._stiff_pressure, self._axis_pressure if waves else [])
+        spaces = [*(self.space.sub(0).sub(i) for i in range(3)), self.space.sub(1)]
+        self.bcs = [
+            fem.dirichletbc(PETSc.ScalarType(0), np.sort(dofs).astype(np.int32), space)
+            for dofs, space in zip([*fixed, pressures], spaces, strict=True)
+        ]
+        self.is_constrained = np.zeros(self.owned, dtype=bool)
+        for dofs in (*fixed, pressures):
+            self.is_constrained[np.asarray(dofs, dtype=np.int64)] = True
+        self.held_motions = held
+        self.expected_negatives = len(self.p_dofs) - len(pressures)
+
+    def _pin(self, held: Any) -> tuple[int, int] | None:
+        """Component and dof to pin against a motion that costs nothing: drift (m = 1) or spin (m = 0).
+
+        A body that can tilt freely, or slide along the axis, has no axisymmetric path either.
+        """
+        holds = len(self._held[0]) + len(self._held[2])
+        free = holds == 0 and not held[:, 0 if self.waves == 1 else 1].any()
+        if not free or self.waves > 1:
+            return None
+        component = 0 if self.waves == 1 else 2
+        dofs = self.u_dofs[np.argmax(self.domain.mesh.geometry.x[:, 0])]
+        return component, int(dofs[component])
+
+    # ---- rigid bodies --------------------------------------------------------------------------------------
+
+    def _coupled_dofs(self) -> list[IntArray]:
+        """Displacement dofs bonded to each body."""
+        tags = self.domain.facet_tags
+        out = []
+        for body in range(self.bodies):
+            facets = tags.indices[self.domain.facet_bodies == body]
+            found = [fem.locate_dofs_topological(self.space.sub(0).sub(i), 1, facets) for i in range(3)]
+            out.append(np.unique(np.concatenate(found)).astype(np.int64))
+        return out
+
+    # ---- the matrix, as `solvers.linear.factor.Factor` wants it ----------------------------------------------------
+
+    def new_matrix(self) -> PETSc.Mat:
+        """Empty matrix with the pattern of every harmonic and the bodies' border."""
+        size = self.owned + self.extra
+        pattern = compat.cell_pattern(self.space)
+        pattern.resize((size, size))
+        row = [np.repeat(d, MOTIONS) for d in self._coupled]
+        column = [
+            np.tile(np.arange(k * MOTIONS, (k + 1) * MOTIONS) + self.owned, len(d)) for k, d in enumerate(self._coupled)
+        ]
+        own = np.arange(self.owned, size)
+        i = np.concatenate([*row, *column, np.repeat(own, self.extra)]).astype(np.int64)
+        j = np.concatenate([*column, *row, np.tile(own, self.extra)]).astype(np.int64)
+        pattern = (pattern + scipy.sparse.csr_matrix((np.ones(len(i), np.int8), (i, j)), shape=(size, size))).tocsr()
+        pattern.sort_indices()
+        csr = (pattern.indptr.astype(PETSc.IntType), pattern.indices.astype(PETSc.IntType), np.zeros(pattern.nnz))
+        matrix = PETSc.Mat().createAIJ(size=((size, size), (size, size)), csr=csr, comm=self.comm)
+        lgmap = PETSc.LGMap().create(np.arange(size, dtype=PETSc.IntType), comm=self.comm)
+        matrix.setLGMap(lgmap, lgmap)
+        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        matrix.setOption(PETSc.Mat.Option.IGNORE_ZERO_ENTRIES, True)
+        return matrix
+
+    def assemble_tangent(self, matrix: PETSc.Mat) -> None:
+        """K_m at the problem's current state, into ``matrix``."""
+        with self.timer("tangent"):
+            matrix.zeroEntries()
+            compat.assemble_into(matrix, self._tangent, self.bcs, self.space)
+            if self.bond is not None:
+                matrix.assemblyBegin(PETSc.Mat.AssemblyType.FLUSH)
+                matrix.assemblyEnd(PETSc.Mat.AssemblyType.FLUSH)
+                self._add_border(matrix, self.bond)
+            matrix.assemble()
+
+    def _add_border(self, matrix: PETSc.Mat, bond: HarmonicBond) -> None:
+        """Add the bodies' rows, columns and blocks; a motion that is held is a unit diagonal alone."""
+        columns, blocks = bond.border(self.waves, self._sense * float(self.problem.pressure.value))
+        columns[self.is_constrained] = 0.0
+        add = PETSc.InsertMode.ADD_VALUES
+        for body, dofs in enumerate(self._coupled):
+            free = (~self.held_motions[body]).astype(float)
+            here, there = dofs.astype(PETSc.IntType), np.arange(MOTIONS, dtype=PETSc.IntType)
+            there = there + PETSc.IntType(self.owned + body * MOTIONS)
+            values = columns[dofs] * free
+            matrix.setValues(here, there, values, addv=add)
+            matrix.setValues(there, here, np.ascontiguousarray(values.T), addv=add)
+            matrix.setValues(there, there, blocks[body] * np.outer(free, free) + np.diag(1.0 - free), addv=add)
+
+    # ---- shapes ----------------------------------------------------------------------------------------------
+
+    def shape_of(self, dofs: FloatArray, bodies: FloatArray) -> Shape:
+        """Amplitudes in the caller's numbering of unknowns (owned,) and (extra,) of the current harmonic."""
+        out = np.zeros((self.domain.nodes, 3))
+        out[self.domain.input_node] = self._wave.values(dofs[self.u_dofs])
+        return Shape(self.waves, out, bodies.reshape(self.bodies, MOTIONS))

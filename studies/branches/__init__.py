@@ -1,0 +1,1 @@
+"""Paths whose volume turns back, and branches beyond buckling."""

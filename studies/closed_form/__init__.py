@@ -1,0 +1,1 @@
+"""The study of the closed form: chains, mends, validity, material laws, speed."""

@@ -1,0 +1,1 @@
+"""Contact: exact problems, and folds that touch."""

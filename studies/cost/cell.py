@@ -1,0 +1,153 @@
+"""Measures one cell of the cost study: ``mpirun -n R python -m studies.cost.cell '{"body": …}' --out FOLDER``.
+
+The last line on standard output is the measurement as JSON; the caller adds what only it can see (`cost_study`).
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import click
+from mpi4py import MPI
+
+from solvers.linear.factor import Factor
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathSettings, PathState
+from studies.cost.cells import Cell, Measurement, cell_scene
+from studies.models.body_run import run_exact
+from studies.models.build import SECTORS, Tip, masses_g, scene_body, scene_meridian, scene_problem
+from studies.models.gaps import GapMeter
+from studies.models.run_log import Log, Run, begin, finish, path_row
+from studies.models.runs import run_axisymmetric, run_body, run_closed_form, run_hash
+from studies.planning.body_plan import ExactPlan
+from studies.planning.levels import BodyLevel, body_level, fineness
+from studies.progress import Progress
+from studies.results import provenance
+from studies.results.compare import tip_at
+from studies.scene.bellows import Scene
+
+# To be raised when something else is measured, so that what was measured before is not taken for it.
+MEASURED_AS = 1
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Runs of a cell, the last being the answer, and its value at the highest asked pressure, mm."""
+
+    runs: tuple[Run, ...]
+    value: float
+    pressure_kpa: float
+
+
+def solve(cell: Cell, folder: Path, comm: MPI.Comm) -> Answer:
+    """Solve a cell; every rank calls.
+
+    Raises
+    ------
+    SolverError
+        If a run failed for another reason than its load.
+    """
+    scene, progress = cell_scene(cell), Progress(comm)
+    place = folder / f"{cell.rung}-{cell.level}"
+    if not isinstance(scene, Scene):
+        plan = ExactPlan(cell.rung, (cell.level,), False, ())
+        run = run_exact(scene, plan, cell.level, place, comm, progress)
+        last = scene.loads_kpa[-1]
+        value = next((v["bore_mm"] for p, v in run.measured.items() if math.isclose(p, last, rel_tol=1e-9)), math.nan)
+        return Answer((run.run,), value, last)
+    if cell.rung == "closed_form":
+        runs: tuple[Run, ...] = (run_closed_form(scene, place, comm),)
+    elif cell.rung == "axisymmetric":
+        runs = (run_axisymmetric(scene, fineness(cell.level), place, comm, progress),)
+    elif cell.strategy == "cold":
+        runs = (cold_body(scene, cell, body_level(cell.level), place, comm, progress),)
+    else:
+        level = body_level(cell.level)
+        base = folder / f"axisymmetric-r{level.meridian}"
+        first = run_axisymmetric(scene, level.meridian, base, comm, progress)
+        assert cell.rung == "sector" or cell.rung == "full3d"
+        runs = (first, run_body(scene, cell.rung, level, base, place, comm, progress, ()))
+    last = scene.load.pressure_kpa[-1]
+    return Answer(runs, tip_at(runs[-1], last), last)
+
+
+def cold_body(scene: Scene, cell: Cell, level: BodyLevel, folder: Path, comm: MPI.Comm, progress: Progress) -> Run:
+    """A body's own path from zero, without an axisymmetric state to start from; every rank calls."""
+    key = run_hash(scene, f"{cell.rung}-cold", level.name)
+    job = begin(scene.name, cell.rung, level.name, folder, key, (), progress, scene.pressures_mpa[-1])
+    meridian = scene_meridian(scene, level.meridian)
+    body = scene_body(meridian, cell.rung, level.around)
+    meshed = time.perf_counter() - job.begin
+    problem = scene_problem(scene, body if comm.rank == 0 else None, comm)
+    problem.timer.seconds["mesh"] = meshed
+    factor = Factor(problem)
+    tip, parts = Tip(scene, body), SECTORS[cell.rung]
+    log = Log(
+        job,
+        comm,
+        body,
+        lambda item: path_row(item, tip.mean_mm(item.state), tip.centre_mm(item.state), parts),
+        GapMeter(scene, meridian, body),
+    )
+
+    def keep(item: PathState) -> None:
+        log.state(item)
+
+    path = follow_path(
+        problem,
+        factor,
+        scene.pressures_mpa,
+        PathSettings(control=scene.load.control),
+        progress.iteration,
+        on_state=keep,
+        on_step=lambda memory: log.step(memory, factor),
+    )
+    return finish(log, problem, factor, path, meridian, masses_g(scene, meridian))
+
+
+def measure(cell: Cell, folder: Path, comm: MPI.Comm) -> Measurement:
+    """Solve a cell and say what it took since the call; every rank calls."""
+    start, cpu = time.perf_counter(), time.process_time()
+    answer = solve(cell, folder, comm)
+    work = float(comm.allreduce(time.perf_counter() - start, op=MPI.MAX))
+    spent = float(comm.allreduce(time.process_time() - cpu, op=MPI.SUM))
+    *before, last = (run.summary for run in answer.runs)
+    split = {name: seconds for name, seconds in last.time_s.items() if name != "total"}
+    if before:
+        split["axisymmetric start"] = sum(summary.time_s["total"] for summary in before)
+    return Measurement(
+        value=answer.value,
+        pressure_kpa=answer.pressure_kpa,
+        wall_s=work,
+        work_s=work,
+        cpu_s=spent,
+        peak_mb=max(summary.peak_mb for summary in (*before, last)),
+        unknowns=last.dofs,
+        factorisations=last.factorisations,
+        compile_s=math.nan,
+        split_s=split,
+        status="reached" if last.status == "reached" else f"stopped: {last.reason}",
+    )
+
+
+@click.command()
+@click.argument("cell")
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="Empty folder for the runs.")
+def main(cell: str, out: Path) -> None:
+    """Measure CELL, given as JSON."""
+    comm = MPI.COMM_WORLD
+    wanted = Cell(**json.loads(cell))
+    threads = provenance.blas_threads()
+    if (comm.size, threads) != (wanted.ranks, wanted.threads):
+        raise click.UsageError(f"{comm.size} ranks x {threads} BLAS threads: the cell has {wanted.name}")
+    found = measure(wanted, out, comm)
+    if comm.rank == 0:
+        click.echo("\n" + found.as_json())
+
+
+if __name__ == "__main__":
+    main()

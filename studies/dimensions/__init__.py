@@ -1,0 +1,1 @@
+"""The study of the dimensions that the paper does not print."""

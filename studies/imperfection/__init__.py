@@ -1,0 +1,1 @@
+"""Actuators whose moulding core sat off the axis."""

@@ -1,0 +1,1 @@
+"""Direct against iterative linear algebra over size."""

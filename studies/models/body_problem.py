@@ -1,0 +1,309 @@
+"""Simple bodies and users' meshes as boundary value problems, and what is read off their states."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from mpi4py import MPI
+
+from meshes.bodies import (
+    block,
+    cook_membrane,
+    cylinder_meridian,
+    sphere_meridian,
+    tube_meridian,
+    ventricle_meridian,
+)
+from meshes.cells import CellKind
+from meshes.revolve import revolve
+from meshes.solid import FACETS, FloatArray, SolidMesh
+from meshes.surface import surface_weights
+from meshes.sweep import FULL_CIRCLE, revolve_hexahedra
+from meshes.user_mesh import read_user_mesh
+from solvers.bodies.rigid import RigidBodies
+from solvers.discrete.domain import create_domain
+from solvers.problem import SOFT, Problem, Surfaces
+from solvers.state import State
+from studies.models.build import element_of
+from studies.planning.body_plan import cells_of
+from studies.planning.levels import fineness
+from studies.scene.bellows import inverse_kappa, law_of
+from studies.scene.bodies import ExactScene
+from studies.scene.body_geometry import (
+    BlockGeometry,
+    CookGeometry,
+    CylinderGeometry,
+    MeshGeometry,
+    RingGeometry,
+    SphereGeometry,
+    TubeGeometry,
+    VentricleGeometry,
+)
+
+Held = tuple[tuple[int, int], ...]
+# Cells of a bonded tube are half a wall long; a longer tube is uniform away from its ends.
+LONGEST_ROW = 40
+# Stiffness of the layer between a cap and the tube it glides on, MPa/mm: the thrust of the cap comes to the tube at its
+# inner edge, which must not sink in. With 1e4 the bore was 0.06 % off on the finest mesh, and the more the finer.
+CAP_MPA_PER_MM = 1e6
+# Stiffness of the layer between a twisted cylinder and its plate, MPa/mm: it slips by 1e-7 of its own twist.
+TWIST_MPA_PER_MM = 1e5
+
+
+@dataclass(frozen=True)
+class Body:
+    """A mesh and what holds and loads it.
+
+    Attributes
+    ----------
+    mesh
+        The mesh.
+    surfaces
+        Facet numbers with a role.
+    parts
+        The mesh is one of so many of the whole.
+    frame
+        Directions of the displacement's components as columns, (3, 3); None for those of the coordinates.
+    capped
+        True if a rigid cap rides on the facets named bond.
+    twisted
+        True if these facets are bonded to a plate that is turned.
+    """
+
+    mesh: SolidMesh
+    surfaces: Surfaces
+    parts: int = 1
+    frame: FloatArray | None = None
+    capped: bool = False
+    twisted: bool = False
+
+
+def body_of(scene: ExactScene, rung: str, level: str) -> Body:
+    """The mesh of a scene on a level, with its supports and its load."""
+    g, fine = scene.geometry, fineness(level)
+    if isinstance(g, TubeGeometry):
+        return _tube(g, rung, fine, cells_of(scene, rung))
+    if isinstance(g, SphereGeometry):
+        return _sphere(g, rung, fine, cells_of(scene, rung))
+    if isinstance(g, RingGeometry):
+        return _ring(g, fine, scene.load_kind == "dead")
+    if isinstance(g, BlockGeometry):
+        return _block(g, fine)
+    if isinstance(g, CylinderGeometry):
+        return _cylinder(g, fine, cells_of(scene, rung))
+    if isinstance(g, CookGeometry):
+        return _cook(fine)
+    if isinstance(g, VentricleGeometry):
+        return _ventricle(g, rung, fine, cells_of(scene, rung))
+    return _user(g)
+
+
+def problem_of(scene: ExactScene, body: Body, comm: MPI.Comm) -> Problem:
+    """The boundary value problem; every rank calls with the same body."""
+    mesh = body.mesh
+    domain = create_domain(
+        comm, dataclasses.replace(mesh, regions=np.full(len(mesh.cells), SOFT)) if comm.rank == 0 else None
+    )
+    cap = None
+    if body.capped:
+        top = float(mesh.points[:, -1].max())
+        inner = float(np.hypot(mesh.points[:, 0], mesh.points[:, 1] * (mesh.dimension == 3)).min())
+        # The cap keeps level and lets the tube's end slide on it, so that the tube stays one.
+        cap = RigidBodies(
+            normal_mpa_per_mm=CAP_MPA_PER_MM,
+            tangential_mpa_per_mm=0.0,
+            grade=np.ones(len(mesh.points)),
+            centres_mm=np.array([top]),
+            arm_mm=1.0,
+            axial_only=True,
+            plate=0,
+            plate_area_mm2=math.pi * inner**2,
+        )
+    if body.twisted:
+        cap = RigidBodies(
+            normal_mpa_per_mm=TWIST_MPA_PER_MM,
+            tangential_mpa_per_mm=TWIST_MPA_PER_MM,
+            grade=np.ones(len(mesh.points)),
+            centres_mm=np.array([float(mesh.points[:, -1].max())]),
+            arm_mm=1.0,
+            plate=0,
+            plate_held=True,
+        )
+    law = law_of(scene.material)
+    element = element_of(scene.mesh)
+    return Problem(domain, law, inverse_kappa(scene.material), body.surfaces, None, cap, element, frame=body.frame)
+
+
+def measures(scene: ExactScene, mesh: SolidMesh) -> dict[str, Callable[[State], float]]:
+    """What is read off a state, by quantity, mm."""
+    if isinstance(scene.geometry, BlockGeometry | CylinderGeometry):
+        return {}  # a cube stays as it is; what is known of a cylinder are forces
+    if isinstance(scene.geometry, CookGeometry):
+        return {"corner_mm": lambda state: float(state.displacement_mm[mesh.tip_centre_node, 1])}
+    if isinstance(scene.geometry, VentricleGeometry):
+        on_axis = np.linalg.norm(mesh.points[:, :-1], axis=1) < 1e-9
+        inside = int(np.flatnonzero(on_axis)[mesh.points[on_axis, -1].argmin()])
+        nodes = {"apex_inside_mm": inside, "apex_outside_mm": mesh.tip_centre_node}
+        # in the published frame the apex points down
+        return {name: partial(_depth, mesh.points[node, -1], node) for name, node in nodes.items()}
+    if isinstance(scene.geometry, MeshGeometry):
+        out: dict[str, Callable[[State], float]] = {"displacement_max_mm": _largest}
+        if (mesh.facet_tags == FACETS["tip"]).any():
+            weights = surface_weights(mesh, "tip")
+            out["tip_mm"] = lambda state: float(weights @ state.displacement_mm[:, -1] / weights.sum())
+        return out
+    weights = surface_weights(mesh, "cavity")
+    outwards = mesh.points.copy()
+    if scene.geometry.kind != "sphere":
+        outwards[:, -1] = 0.0
+    inside = weights != 0.0
+    outwards[inside] /= np.linalg.norm(outwards[inside], axis=1, keepdims=True)
+    outwards[~inside] = 0.0
+    share = weights / weights.sum()
+    return {"bore_mm": lambda state: float(share @ np.sum(state.displacement_mm * outwards, axis=1))}
+
+
+def _depth(start_mm: float, node: int, state: State) -> float:
+    """Position of a node along the axis with the apex pointing down, mm."""
+    return -float(start_mm + state.displacement_mm[node, -1])
+
+
+def _largest(state: State) -> float:
+    return float(np.linalg.norm(state.displacement_mm, axis=1).max())
+
+
+def enclosed_mm3(scene: ExactScene, load_volume_mm3: float) -> float:
+    """Volume inside a body from that on which its load does work; a dead load's is what it is."""
+    return -load_volume_mm3 if scene.load_kind == "external" else load_volume_mm3
+
+
+# --- bodies -------------------------------------------------------------------------------------------------
+
+
+def _tube(g: TubeGeometry, rung: str, fine: int, cells: str) -> Body:
+    refine = fine if rung == "axisymmetric" else 1
+    through = 2 * fine if rung == "axisymmetric" else max(2, fine // 4)
+    along = through // 2
+    if g.ends == "bonded":
+        wall = g.outer_radius_mm - g.inner_radius_mm
+        along = min(math.ceil(2.0 * g.length_mm / wall), LONGEST_ROW) * refine
+        along = max(2, along if rung == "axisymmetric" else along * fine // 12)
+    kind: CellKind = "quadrilaterals" if cells == "hexahedra" else "triangles"
+    meridian = tube_meridian(g.inner_radius_mm, g.outer_radius_mm, g.length_mm, along, through, kind)
+    return _swept(meridian, rung, fine, g.ends)
+
+
+def _sphere(g: SphereGeometry, rung: str, fine: int, cells: str) -> Body:
+    kind: CellKind = "quadrilaterals" if cells == "hexahedra" else "triangles"
+    along, through = (6 * fine, 2 * fine) if rung == "axisymmetric" else (max(6, fine // 2), max(2, fine // 4))
+    meridian = sphere_meridian(g.inner_radius_mm, g.outer_radius_mm, along, through, kind)
+    body = _swept(meridian, rung, fine, "symmetric")
+    return dataclasses.replace(body, parts=2 * body.parts)
+
+
+def _swept(meridian: SolidMesh, rung: str, fine: int, ends: str) -> Body:
+    """A meridian, the quarter of its body of revolution or all of it, its ends held."""
+    mesh, parts = meridian, 1
+    held: list[tuple[int, int]] = []
+    pinned: Held = ()
+    if rung == "axisymmetric":
+        held.append((FACETS["axis"], 0))
+    elif rung == "sector":
+        mesh, parts = revolve_hexahedra(meridian, fine // 4, FULL_CIRCLE / 4), 4
+        held += [(FACETS["start"], 1), (FACETS["end"], 0)]
+    else:
+        box = meridian.cell.name == "quadrilateral"
+        mesh = revolve_hexahedra(meridian, fine) if box else revolve(meridian, fine)
+        if ends != "bonded":
+            pinned = _three_pins(mesh)
+    axial, cavity = mesh.dimension - 1, FACETS["cavity"]
+    bottom, top = FACETS["bottom"], FACETS["top"]
+    if ends == "capped":
+        on_top = mesh.facet_tags == top
+        mesh = dataclasses.replace(mesh, facet_bodies=np.where(on_top, 0, -1))
+        surfaces = Surfaces(cavity=cavity, held=(*held, (bottom, axial)), pinned=pinned, bond=top)
+        return Body(mesh, surfaces, parts, capped=True)
+    if ends == "bonded":
+        held += [(top, i) for i in range(mesh.dimension)]
+        return Body(mesh, Surfaces(cavity=cavity, clamped=bottom, held=tuple(held)), parts)
+    held += [(bottom, axial), (top, axial)]
+    return Body(mesh, Surfaces(cavity=cavity, held=tuple(held), pinned=pinned), parts)
+
+
+def _three_pins(mesh: SolidMesh) -> Held:
+    """Pins that hold drifting and turning of a body of revolution, where its own motion is nought by symmetry."""
+    low = mesh.points[:, 2] < mesh.points[:, 2].min() + 1e-9
+    radius = np.hypot(mesh.points[:, 0], mesh.points[:, 1])
+    rim = np.flatnonzero(low & (radius > radius[low].max() - 1e-9))
+    x, y = mesh.points[rim, 0], mesh.points[rim, 1]
+    return ((int(rim[x.argmax()]), 1), (int(rim[x.argmin()]), 1), (int(rim[y.argmax()]), 0))
+
+
+def _ring(g: RingGeometry, fine: int, dead: bool) -> Body:
+    wall = g.outer_radius_mm - g.inner_radius_mm
+    meridian = tube_meridian(g.inner_radius_mm, g.outer_radius_mm, 0.5 * wall, 1, 2 * fine, "quadrilaterals")
+    angle = math.pi / g.waves
+    mesh = revolve_hexahedra(meridian, 6 * fine, angle)
+    # Components along both planes of symmetry: what crosses the one at angle 0 is the second, at the end the first.
+    frame = np.eye(3)
+    frame[:2, 1] = math.cos(angle), math.sin(angle)
+    held = ((FACETS["start"], 1), (FACETS["end"], 0), (FACETS["bottom"], 2), (FACETS["top"], 2))
+    outer = FACETS["outer"]
+    surfaces = Surfaces(dead_pressure=outer, held=held) if dead else Surfaces(external=outer, held=held)
+    return Body(mesh, surfaces, 2 * g.waves, frame if g.waves != 2 else None)
+
+
+def _block(g: BlockGeometry, fine: int) -> Body:
+    mesh = block((g.edge_mm,) * 3, (fine,) * 3)
+    corner = mesh.tip_centre_node
+    return Body(mesh, Surfaces(dead=FACETS["outer"], pinned=tuple((corner, i) for i in range(3))))
+
+
+def _cylinder(g: CylinderGeometry, fine: int, cells: str) -> Body:
+    kind: CellKind = "quadrilaterals" if cells == "hexahedra" else "triangles"
+    along = max(1, round(g.length_mm / g.radius_mm * fine / 4))
+    meridian = cylinder_meridian(g.radius_mm, g.length_mm, fine // 2, along, kind)
+    mesh = revolve_hexahedra(meridian, fine) if cells == "hexahedra" else revolve(meridian, fine)
+    on_top = mesh.facet_tags == FACETS["top"]
+    mesh = dataclasses.replace(mesh, facet_bodies=np.where(on_top, 0, -1))
+    # without pressure: the loaded surface only says what residuals are measured by
+    surfaces = Surfaces(external=FACETS["outer"], clamped=FACETS["bottom"], bond=FACETS["top"])
+    return Body(mesh, surfaces, twisted=True)
+
+
+def _cook(fine: int) -> Body:
+    held = ((FACETS["bottom"], 2), (FACETS["top"], 2))
+    return Body(cook_membrane(fine), Surfaces(dead_shear=FACETS["tip"], clamped=FACETS["clamped"], held=held))
+
+
+def _ventricle(g: VentricleGeometry, rung: str, fine: int, cells: str) -> Body:
+    kind: CellKind = "quadrilaterals" if cells == "hexahedra" else "triangles"
+    along, through = (8 * fine, 2 * fine) if rung == "axisymmetric" else (fine, max(2, fine // 8))
+    inner, outer = (g.inner_across_mm, g.inner_along_mm), (g.outer_across_mm, g.outer_along_mm)
+    meridian = ventricle_meridian(inner, outer, g.base_mm, along, through, kind)
+    clamped, cavity = FACETS["clamped"], FACETS["cavity"]
+    if rung == "axisymmetric":
+        return Body(meridian, Surfaces(cavity=cavity, clamped=clamped, held=((FACETS["axis"], 0),)))
+    if rung == "sector":
+        mesh = revolve_hexahedra(meridian, fine // 4, FULL_CIRCLE / 4)
+        held = ((FACETS["start"], 1), (FACETS["end"], 0))
+        return Body(mesh, Surfaces(cavity=cavity, clamped=clamped, held=held), parts=4)
+    mesh = revolve_hexahedra(meridian, fine) if cells == "hexahedra" else revolve(meridian, fine)
+    return Body(mesh, Surfaces(cavity=cavity, clamped=clamped))
+
+
+def _user(g: MeshGeometry) -> Body:
+    mesh = read_user_mesh(Path(g.file), g.scale)
+    axial = mesh.dimension - 1
+    planes = {"axis": 0, "bottom": axial, "top": axial, "symmetry_z": axial}
+    if mesh.dimension == 3:
+        planes = {"symmetry_x": 0, "symmetry_y": 1, "bottom": 2, "top": 2, "symmetry_z": 2}
+    held = tuple((FACETS[name], i) for name, i in planes.items() if (mesh.facet_tags == FACETS[name]).any())
+    clamped = FACETS["clamped"] if (mesh.facet_tags == FACETS["clamped"]).any() else None
+    return Body(mesh, Surfaces(cavity=FACETS["cavity"], clamped=clamped, held=held))

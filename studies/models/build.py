@@ -1,0 +1,222 @@
+"""From a scene to meshes, boundary value problems, first guesses, and what is read off their states."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+
+import numpy as np
+from mpi4py import MPI
+
+from analytical.materials import SILICONE_DENSITY_G_CM3
+from meshes.cells import CellKind
+from meshes.eccentric import shift_core
+from meshes.errors import GeometryError
+from meshes.meridian import default_resolution, meridian_mesh
+from meshes.quality import region_volumes_mm3
+from meshes.revolve import revolve, revolve_scalar, revolve_vector
+from meshes.solid import FACETS, REGIONS, SolidMesh
+from meshes.sweep import FULL_CIRCLE, revolve_hexahedra
+from solvers.bodies.rigid import RigidBodies
+from solvers.discrete.domain import create_domain
+from solvers.discrete.elements import P1_P0, P2_P0, Element
+from solvers.problem import SOFT, STIFF, Problem, Surfaces
+from solvers.state import State, pressure_at_corners
+from studies.scene.bellows import (
+    RIGID_BOND_MPA_PER_MM,
+    Mesh,
+    Scene,
+    bond_grade,
+    bond_stiffness,
+    in_hexahedra,
+    inverse_kappa,
+    law_of,
+    ring_material,
+    ring_shape,
+    shape_of,
+)
+
+
+def element_of(mesh: Mesh) -> Element | None:
+    """Displacement and pressure spaces; None for the usual ones of the cells."""
+    return {"tet-p0": P2_P0, "tet-p1": P1_P0}.get(mesh.element)
+
+
+def scene_meridian(scene: Scene, refinement: int) -> SolidMesh:
+    """The meridian mesh of a scene at a refinement."""
+    shape = shape_of(scene)
+    ring = ring_shape(scene) if scene.rings.model == "meshed" else None
+    cells: CellKind = "quadrilaterals" if in_hexahedra(scene) else "triangles"
+    return meridian_mesh(shape, default_resolution(shape, refinement, cells), ring, cells)
+
+
+# Sectors of one: the quarter, whose faces are the planes x = 0 and y = 0, held by components.
+SECTORS = {"full3d": 1, "sector": 4}
+
+
+def scene_body(meridian: SolidMesh, rung: str, around: int, core_shift_mm: float = 0.0) -> SolidMesh:
+    """The body, or the sector of it, made from a meridian; ``around`` counts the cells in the whole circle.
+
+    Raises
+    ------
+    GeometryError
+        If the cells do not share out to the sector, or the core is shifted in one.
+    """
+    parts = SECTORS[rung]
+    if core_shift_mm:
+        if parts > 1:
+            raise GeometryError("a sector of a body whose core is off the axis: take full3d")
+        return shift_core(scene_body(meridian, rung, around), meridian, core_shift_mm)
+    if meridian.cell.name == "quadrilateral":
+        if around % parts:
+            raise GeometryError(f"cells round the circumference = {around}: must be a multiple of {parts} in a sector")
+        return revolve_hexahedra(meridian, around // parts, FULL_CIRCLE / parts)
+    if parts > 1:
+        raise GeometryError('a sector is meshed in hexahedra: set mesh.element = "hex" or "auto", and rigid rings')
+    return revolve(meridian, around)
+
+
+def scene_problem(scene: Scene, mesh: SolidMesh | None, comm: MPI.Comm) -> Problem:
+    """The boundary value problem of a scene on a mesh that rank 0 holds; every rank calls."""
+    material_numbers = None
+    if mesh is not None:
+        numbers = np.where(mesh.regions == REGIONS["ring"], STIFF, SOFT)
+        material_numbers = dataclasses.replace(mesh, regions=numbers)
+    plate = scene.geometry.tip == "rigid"
+    if material_numbers is not None and plate:
+        material_numbers = _bond_to_plate(material_numbers, _ring_count(scene))
+    domain = create_domain(comm, material_numbers)
+    stiff = ring_material(scene) if scene.rings.model == "meshed" else None
+    cut = bool(comm.bcast(None if mesh is None else FACETS["start"] in mesh.facet_tags))
+    bodies = None
+    if scene.rings.model == "rigid" or plate:
+        shape = shape_of(scene)
+        axial = comm.bcast(None if mesh is None else mesh.points[:, -1])
+        normal, tangential = bond_stiffness(scene)
+        grade = bond_grade(scene, axial)
+        centres = shape.crest_positions_mm[: _ring_count(scene)]
+        if plate:
+            # The plate's bond is at least as stiff as one meant as rigid; no seat reaches as far as the open end.
+            grade[np.isclose(axial, shape.cavity_length_mm)] = RIGID_BOND_MPA_PER_MM / min(normal, tangential)
+            centres = np.append(centres, shape.cavity_length_mm)
+        bodies = RigidBodies(
+            normal,
+            tangential,
+            grade,
+            centres,
+            shape.seat_radius_mm,
+            axial_only=cut,
+            plate=len(centres) - 1 if plate else None,
+            plate_area_mm2=comm.bcast(None if mesh is None else _rim_area(mesh)) if plate else 0.0,
+            plate_held=scene.blocked,
+            plate_force_n=scene.load.tip_force_n / SECTORS["sector" if cut else "full3d"],
+        )
+    held: tuple[tuple[int, int], ...] = ((FACETS["axis"], 0),) if domain.axisymmetric else ()
+    if cut:
+        held = ((FACETS["start"], 1), (FACETS["end"], 0))
+    surfaces = Surfaces(
+        cavity=FACETS["cavity"] if scene.load.sense > 0.0 else None,
+        suction=FACETS["cavity"] if scene.load.sense < 0.0 else None,
+        clamped=FACETS["clamped"],
+        bond=FACETS["bond"] if bodies is not None else None,
+        held=held,
+        blocked=FACETS["tip"] if scene.blocked and not plate else None,
+    )
+    law = law_of(scene.material)
+    return Problem(domain, law, inverse_kappa(scene.material), surfaces, stiff, bodies, element_of(scene.mesh))
+
+
+def _ring_count(scene: Scene) -> int:
+    """Number of rigid rings."""
+    return scene.geometry.convolutions + 1 if scene.rings.model == "rigid" else 0
+
+
+def _bond_to_plate(mesh: SolidMesh, number: int) -> SolidMesh:
+    """The mesh with the annulus of its open end bonded to the body of a number."""
+    tip = mesh.facet_tags == FACETS["tip"]
+    return dataclasses.replace(
+        mesh,
+        facet_tags=np.where(tip, FACETS["bond"], mesh.facet_tags),
+        facet_bodies=np.where(tip, number, mesh.facet_bodies),
+    )
+
+
+def _rim_area(mesh: SolidMesh) -> float:
+    """Area within the inner rim of the open end, mm^2: by parabolas where a whole circle is meshed so, else exact."""
+    z = mesh.points[:, -1]
+    r = np.hypot(mesh.points[:, 0], mesh.points[:, 1]) if mesh.dimension == 3 else mesh.points[:, 0]
+    end = np.isclose(z, mesh.points[mesh.tip_centre_node, -1])
+    inner = r[end].min()
+    rim = np.flatnonzero(end & np.isclose(r, inner))
+    if mesh.dimension == 2 or FACETS["start"] in mesh.facet_tags:
+        return float(np.pi * inner**2)
+    x, y = mesh.points[rim[np.argsort(mesh.angle_rad[rim])], :2].T  # corners and middles in turn, a corner first
+    a, b, c = (np.array([np.roll(x, -k)[::2], np.roll(y, -k)[::2]]) for k in range(3))
+
+    def cross(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+        return np.asarray(p[0] * q[1] - p[1] * q[0])
+
+    return float(np.sum(4.0 * cross(a, b) + 4.0 * cross(b, c) - cross(a, c)) / 6.0)
+
+
+def revolve_state(state: State, meridian: SolidMesh, body: SolidMesh) -> State:
+    """An axisymmetric state as a first guess on the revolved mesh.
+
+    A pressure with jumps between cells is averaged at corners: displacements decide the guess, the pressure follows
+    from them in one Newton step.
+    """
+    motions = state.bodies_mm
+    if len(motions) and FACETS["start"] not in body.facet_tags:
+        motions = np.zeros((len(motions), 6))
+        motions[:, 2] = state.bodies_mm[:, 0]
+    pressure = revolve_scalar(pressure_at_corners(state, meridian.cells, meridian.cell.corners), body)
+    if state.pressure_mpa.ndim == 2:
+        pressure = pressure[body.cells[:, : body.cell.corners]]
+    return State(revolve_vector(state.displacement_mm, body), pressure, motions, state.load_mpa)
+
+
+class Tip:
+    """Mean axial displacement of the distal rim, weighted by its undeformed area, or the motion of a rigid plate."""
+
+    def __init__(self, scene: Scene, mesh: SolidMesh) -> None:
+        self._plate = scene.geometry.tip == "rigid"
+        facets = mesh.facets[mesh.facet_tags == FACETS["tip"]]
+        ends = mesh.points[facets]
+        if mesh.dimension == 2:
+            # area of the cone between two radii
+            weight = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1) * (ends[:, 0, 0] + ends[:, 1, 0])
+        else:
+            # The triangles of any three corners; of a quadrilateral's, each of the two diagonals' pairs fills it once.
+            weight = np.zeros(len(ends))
+            for a, b, c in itertools.combinations(range(ends.shape[1]), 3):
+                weight += np.linalg.norm(np.cross(ends[:, b] - ends[:, a], ends[:, c] - ends[:, a]), axis=1)
+        self._facets, self._weight = facets, weight / weight.sum()
+        self._centre = mesh.tip_centre_node
+
+    def mean_mm(self, state: State) -> float:
+        """Mean over the rim."""
+        if self._plate:
+            return float(state.bodies_mm[-1, 2 if state.bodies_mm.shape[1] == 6 else 0])
+        return float(self._weight @ state.displacement_mm[self._facets, -1].mean(axis=1))
+
+    def centre_mm(self, state: State) -> float:
+        """At the axis."""
+        if self._plate:
+            return self.mean_mm(state)
+        return float(state.displacement_mm[self._centre, -1])
+
+
+def masses_g(scene: Scene, meridian: SolidMesh) -> tuple[float, float]:
+    """Mass of silicone and rings, g; rings that are not meshed count with their section."""
+    volumes = region_volumes_mm3(meridian)
+    silicone = (volumes["elastomer"] + volumes["cap"]) * 1e-3 * SILICONE_DENSITY_G_CM3
+    ring_mm3 = volumes["ring"]
+    if scene.rings.model == "rigid":
+        r, rings = shape_of(scene).seat_radius_mm, scene.rings
+        section = ((r + rings.height_mm) ** 2 - r**2) * math.pi * rings.seat_mm
+        # a quarter circle of radius q replaces a square at each of the two outer edges
+        q, outer = rings.edge_radius_mm, r + rings.height_mm
+        lost = 2.0 * (1.0 - math.pi / 4.0) * q**2 * 2.0 * math.pi * (outer - 0.2234 * q)
+        ring_mm3 = (section - lost) * (scene.geometry.convolutions + 1)
+    return silicone, ring_mm3 * 1e-3 * ring_material(scene).density_g_cm3

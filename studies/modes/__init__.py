@@ -1,0 +1,1 @@
+"""Modes that break the symmetry: from which pressure on, in which shape."""

@@ -1,0 +1,106 @@
+"""All pictures of the paper study's report: which there are, what goes into them, where they are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Final
+
+from studies.models.run_log import field_files
+from studies.paper import plots as paper_plots
+from studies.paper.cases import REFERENCE_SCENES
+from studies.paper.numbers import HIGHEST_KPA, finest, is_known, named, tip
+from studies.paper.results import CaseResult, PaperResults
+from studies.report import meridian_pictures, pictures, plots
+from studies.report import scene_page as scene_report
+from studies.report.drawn import key_of, once
+from studies.report.meridian_pictures import RootPanel, draw_root_fields, root_panel
+from studies.report.pictures import Still, draw_side_by_side, draw_states
+from studies.report.tables import value_text
+
+# The actuator and the pressure (kPa) of the view of the paper's Figure 4B; which one that shows is not printed.
+FIGURE_4B: Final = (REFERENCE_SCENES[0], 10.0)
+# Begins the names of pictures of the states of an actuator; its name follows.
+STATES: Final = "states-"
+
+# Plots of all results by the name they have in the page and in the folder.
+_PLOTS: Final[Mapping[str, Callable[[Path, PaperResults], str]]] = {
+    "elongations": paper_plots.draw_elongations,
+    "dimensions": paper_plots.draw_dimensions_matter,
+    "beyond": paper_plots.draw_beyond,
+    "assumptions": paper_plots.draw_assumptions,
+    "blocked": paper_plots.draw_blocked,
+    "conventions": paper_plots.draw_conventions,
+    "rings": paper_plots.draw_rings,
+}
+
+
+def draw_all(folder: Path, results: PaperResults) -> dict[str, str]:
+    """Draw all pictures into ``folder/pictures``.
+
+    Returns
+    -------
+    dict of str to str
+        By name the address relative to the folder, or a sentence why there is no picture.
+    """
+    (folder / "pictures").mkdir(parents=True, exist_ok=True)
+    found = {}
+    hashes = [run.summary.content_hash for case in results.cases for run in case.result.axisymmetric]
+    key = key_of(results.rows, hashes, code=[paper_plots, plots])
+    for name, plot in _PLOTS.items():
+        address = f"pictures/{name}.png"
+        found[name] = once(folder / address, key, lambda a=address, p=plot: p(folder / a, results)) or address  # type: ignore[misc]
+    found["roots"] = _drawn(folder, "roots", lambda path: _draw_roots(path, results))
+    for name in REFERENCE_SCENES:
+        stills = _stills(named(results, name))
+        found[STATES + name] = _drawn(folder, STATES + name, lambda path, s=stills: _once(path, s, draw_states))  # type: ignore[misc]
+    name, pressure = FIGURE_4B
+    pair = _stills(named(results, name), (pressure,))
+    found["figure4b"] = _drawn(folder, "figure4b", lambda path: _once(path, pair, draw_side_by_side))
+    return found
+
+
+def _drawn(folder: Path, name: str, draw: Callable[[Path], str]) -> str:
+    address = f"pictures/{name}.png"
+    return draw(folder / address) or address
+
+
+def _once(path: Path, stills: Sequence[Still], draw: Callable[[Path, Sequence[Still]], str]) -> str:
+    """Draw states of a body unless that picture is there."""
+    if not stills:
+        return "no fields of full 3D states were kept"
+    key = key_of(stills, files=[still.vtu for still in stills], code=[pictures])
+    return once(path, key, lambda: draw(path, stills))
+
+
+def _stills(case: CaseResult | None, pressures_kpa: Sequence[float] = ()) -> list[Still]:
+    """The unloaded body of the finest full 3D run, then its states, at some of the asked pressures (kPa) or at all."""
+    run = finest(case.result.full3d) if case else None
+    if case is None or run is None:
+        return []
+    place = case.folder / f"full3d-{run.summary.level}"
+    fields = field_files(place, pressures_kpa or case.result.scene.load.pressure_kpa)
+    if not fields:
+        return []
+    rings = scene_report.ring_boxes(case.result.scene, place, run.summary.content_hash, list(fields))
+    stills = [Still("0 kPa", next(iter(fields.values())), deformed=False, rings=rings.get(0.0, ()))]
+    for pressure, vtu in sorted(fields.items()):
+        row = tip(case, "full3d", pressure)
+        reached = f"\ntip +{value_text(row)} mm" if is_known(row) else ""
+        stills.append(Still(f"{pressure:g} kPa{reached}", vtu, rings=rings.get(pressure, ())))
+    return stills
+
+
+def _draw_roots(path: Path, results: PaperResults) -> str:
+    """Draw the middle root of every reference actuator at 20 kPa, in the finest axisymmetric state."""
+    panels: list[RootPanel] = []
+    keys: list[object] = []
+    for name in REFERENCE_SCENES:
+        case = named(results, name)
+        run = finest(case.result.axisymmetric) if case else None
+        if case and run:
+            place = case.folder / f"axisymmetric-{run.summary.level}"
+            panel = root_panel(case.result.scene, run, place, HIGHEST_KPA)
+            panels += [panel] if panel else []
+            keys.append((name, run.summary.content_hash, run.summary.level))
+    return once(path, key_of(keys, len(panels), code=[meridian_pictures]), lambda: draw_root_fields(path, panels))

@@ -1,0 +1,300 @@
+"""What a mesh will leave of error at the tip, and what it will cost, before anything is solved.
+
+The error that a meridian leaves is a constant per level and a power of each of a few features of the scene, fitted to
+axisymmetric runs of made-up bellows; what the cells round the circumference leave is a power of their number. Times are
+powers of the number of unknowns, from the cost study. ``python -m studies.cost.error_fit`` repeats the fits and checks
+them on ten scenes that they have not seen. Once two levels of the scene itself are solved, `checked_error_percent`
+replaces the guess.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from meshes.cells import CellKind
+from meshes.meridian import default_resolution, meridian_mesh
+from studies.planning.levels import BodyLevel, body_level, fineness
+from studies.scene.bellows import Scene, in_hexahedra, law_of, shape_of
+
+Cells = Literal["hex", "tet"]
+Rung = Literal["axisymmetric", "sector", "full3d"]
+# Meridian levels the model knows, coarsest first.
+LEVELS = (1, 2, 4)
+# The training set has no more convolutions than this.
+LONGEST = 3
+# Errors are not told apart below this, percent: so much do bonds, steps and the reference's extrapolation leave.
+FLOOR_PERCENT = 0.01
+# Of a body's tolerance, what the circumference may take and what the meridian may. The meridian's error is the larger
+# part and costs more to bring down; the rest is left to the scatter of the prediction.
+AROUND_SHARE, MERIDIAN_SHARE = 0.1, 0.5
+# Numbers of cells round the circumference to choose from.
+ROUNDS: dict[Cells, tuple[int, ...]] = {"hex": (6, 8, 12), "tet": (8, 12, 16)}
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Constants of one kind of cells.
+
+    Attributes
+    ----------
+    constants
+        Logarithm of the error in percent at the centre of the features, by level.
+    slopes, centre
+        Power of each feature, and the mean of the features' logarithms over the training set.
+    spread
+        Root mean square of the logarithm's error on scenes that were left out of the fit.
+    ratios
+        Error of a level over its difference from the level before, of the first over that from the second, by level.
+    """
+
+    constants: tuple[float, ...]
+    slopes: tuple[float, ...]
+    centre: tuple[float, ...]
+    spread: float
+    ratios: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Around:
+    """Error in percent that so many cells round leave, and the power of their number by which it falls."""
+
+    error_percent: float
+    cells: int
+    order: float
+
+    def at(self, cells: int) -> float:
+        """Error with another number of cells, percent."""
+        return float(self.error_percent * (self.cells / cells) ** self.order)
+
+
+@dataclass(frozen=True)
+class Seconds:
+    """Wall seconds of a run without start and imports: ``per_unknown * unknowns ** exponent``."""
+
+    per_unknown: float
+    exponent: float
+
+    def at(self, unknowns: float) -> float:
+        """Seconds for a number of unknowns."""
+        return float(self.per_unknown * unknowns**self.exponent)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A mesh and what is expected of it.
+
+    Attributes
+    ----------
+    level
+        For instance ``r2``, or ``n8r2``.
+    error_percent, seconds
+        Predicted, before anything has been solved.
+    within
+        True if the predicted error is within the tolerance, of a body its meridian's within `MERIDIAN_SHARE` of it;
+        False if even this, the finest, is not.
+    """
+
+    rung: Rung
+    level: str
+    error_percent: float
+    seconds: float
+    within: bool
+
+
+# From python -m studies.cost.error_fit.
+FITS: dict[Cells, Fit] = {
+    "hex": Fit(
+        constants=(-1.837, -3.104, -3.989),
+        slopes=(-0.33, 0.328, -1.05, 0.307, -0.966, -0.461, -0.766),
+        centre=(-1.892, -0.533, 1.568, 0.316, 0.446, 0.157, 0.5),
+        spread=0.586,
+        ratios=(1.337, 0.37, 0.62),
+    ),
+    "tet": Fit(
+        constants=(-2.039, -2.887, -3.657),
+        slopes=(-0.455, -0.147, -0.507, 0.876, -0.054, -0.209, -0.253),
+        centre=(-1.892, -0.533, 1.568, 0.316, 0.78, 0.157, 0.5),
+        spread=0.718,
+        ratios=(1.522, 0.782, 0.788),
+    ),
+}
+# The larger of two 1 and 2 mm walls at 20 kPa (docs/decisions.md) and of peer-bellows (cost study).
+AROUND: dict[Cells, Around] = {"hex": Around(0.07, 8, 4.0), "tet": Around(0.2, 8, 3.4)}
+# From make study-error-model, with the rows of make study-cost.
+SECONDS: dict[tuple[Rung, Cells], Seconds] = {
+    ("axisymmetric", "hex"): Seconds(0.00604, 0.591),
+    ("axisymmetric", "tet"): Seconds(0.000963, 0.831),
+    ("sector", "hex"): Seconds(0.00062, 0.803),
+    ("full3d", "hex"): Seconds(6.53e-05, 1.032),
+    ("full3d", "tet"): Seconds(2.15e-05, 1.15),
+}
+
+
+def cells_of(scene: Scene) -> Cells:
+    """``hex`` for quadrilaterals and hexahedra, ``tet`` for triangles and tetrahedra."""
+    return "hex" if in_hexahedra(scene) else "tet"
+
+
+def features(scene: Scene) -> tuple[float, ...]:
+    """Logarithms of what the meridian's error depends on.
+
+    Wall over root radius; fillet over wall; depth of the fold over wall; highest pressure over shear modulus times wall
+    over crest radius; number of cells through the wall on the coarsest level, which jumps with the wall; number of
+    convolutions, which thin out what both ends leave of error, up to `LONGEST`; and 1 for Ogden's law, 0 for others.
+    """
+    g = scene.geometry
+    mu_kpa = 1e3 * law_of(scene.material).initial_shear_modulus_mpa
+    return (
+        math.log(g.wall_mm / g.root_radius_mm),
+        math.log(g.fillet_mm / g.wall_mm),
+        math.log((g.crest_radius_mm - g.root_radius_mm) / g.wall_mm),
+        math.log(scene.load.pressure_kpa[-1] * g.crest_radius_mm / (mu_kpa * g.wall_mm)),
+        math.log(default_resolution(shape_of(scene), 1, _kind(scene)).through),
+        math.log(min(g.convolutions, LONGEST)),
+        float(scene.material.law == "ogden"),
+    )
+
+
+def meridian_error_percent(scene: Scene, level: int) -> float:
+    """Predicted error that a meridian leaves at the tip, percent: the largest over the asked pressures."""
+    fit = FITS[cells_of(scene)]
+    power = sum(s * (x - c) for s, x, c in zip(fit.slopes, features(scene), fit.centre, strict=True))
+    return max(FLOOR_PERCENT, math.exp(fit.constants[LEVELS.index(level)] + power))
+
+
+def predicted_error_percent(scene: Scene, rung: Rung, level: str) -> float:
+    """Predicted error of a run at the tip, percent: the largest over the asked pressures.
+
+    Parameters
+    ----------
+    scene
+        A bellows.
+    rung, level
+        For instance ``axisymmetric`` and ``r2``, ``full3d`` and ``n8r2``; meridians of `LEVELS` only.
+    """
+    if rung == "axisymmetric":
+        return meridian_error_percent(scene, fineness(level))
+    body = body_level(level)
+    return meridian_error_percent(scene, body.meridian) + AROUND[cells_of(scene)].at(body.around)
+
+
+def checked_error_percent(cells: Cells, level: int, value_mm: Sequence[float], other_mm: Sequence[float]) -> float:
+    """Error of a level as another level of the same scene shows it, percent: the largest over the asked pressures.
+
+    Parameters
+    ----------
+    level
+        Meridian level of ``value_mm``.
+    value_mm, other_mm
+        Tips at the asked pressures on this level, and on the one before; of the first level, on the second. NaN where
+        one was not reached.
+    """
+    ratio = FITS[cells].ratios[LEVELS.index(level)]
+    pairs = [(v, o) for v, o in zip(value_mm, other_mm, strict=True) if math.isfinite(v) and math.isfinite(o) and v]
+    return max([FLOOR_PERCENT, *(100.0 * ratio * abs((v - o) / v) for v, o in pairs)])
+
+
+def predicted_unknowns(scene: Scene, rung: Rung, level: str) -> float:
+    """How many unknowns a run has, to some percent; meshed rings and what meets on the axis are not counted apart."""
+    body = None if rung == "axisymmetric" else body_level(level)
+    refinement = fineness(level) if body is None else body.meridian
+    shape, kind = shape_of(scene), _kind(scene)
+    resolution = default_resolution(shape, 1, kind)
+    cells = len(meridian_mesh(shape, resolution, None, kind).cells) // (1 if kind == "quadrilaterals" else 2)
+    through, along = resolution.through * refinement, cells // resolution.through * refinement
+    around = 0.5 if body is None else body.around / (4 if rung == "sector" else 1)
+    displacements = (2 if body is None else 3) * (2 * through + 1) * (2 * along + 1) * 2.0 * around
+    if kind == "quadrilaterals":
+        return displacements + through * along * (3 if body is None else 4 * around)
+    return displacements + (through + 1) * (along + 1) * (1 if body is None else around)
+
+
+def predicted_seconds(scene: Scene, rung: Rung, level: str) -> float:
+    """Predicted wall seconds without start and imports, two cores; of a body with its axisymmetric start."""
+    return SECONDS[rung, cells_of(scene)].at(predicted_unknowns(scene, rung, level))
+
+
+def knows(scene: Scene) -> bool:
+    """True if the model is about such a scene: the free tip of a centred bellows under pressure, without a force."""
+    plain = not scene.blocked and not scene.load.tip_force_n
+    return plain and scene.load.sense > 0.0 and not scene.geometry.eccentricity
+
+
+def around_for(scene: Scene, rung: str) -> int:
+    """The smallest of `ROUNDS` that leaves the circumference its share of the scene's tolerance, or the largest."""
+    cells = cells_of(scene)
+    allowed = AROUND_SHARE * scene.ask.tolerance_percent
+    shared_out = [n for n in ROUNDS[cells] if rung != "sector" or n % 4 == 0]  # a quarter takes a quarter of them
+    return next((n for n in shared_out if AROUND[cells].at(n) <= allowed), shared_out[-1])
+
+
+def candidates(scene: Scene, rung: Rung) -> list[str]:
+    """Levels of a rung that may be chosen, coarsest first."""
+    if rung == "axisymmetric":
+        return [f"r{level}" for level in LEVELS]
+    around = around_for(scene, rung)
+    return [BodyLevel(around, meridian).name for meridian in LEVELS[:2]]  # bodies on r4 do not fit 24 GB
+
+
+def choose(scene: Scene, rung: Rung) -> Choice:
+    """The quickest level of a rung whose predicted error is within the scene's tolerance, or the most exact.
+
+    The prediction is the middle of a distribution: whoever uses the choice checks it with `checked_error_percent`.
+    """
+    found = []
+    for level in candidates(scene, rung):
+        error = predicted_error_percent(scene, rung, level)
+        own = error if rung == "axisymmetric" else meridian_error_percent(scene, body_level(level).meridian)
+        allowed = scene.ask.tolerance_percent * (1.0 if rung == "axisymmetric" else MERIDIAN_SHARE)
+        found.append(Choice(rung, level, error, predicted_seconds(scene, rung, level), own <= allowed))
+    within = [choice for choice in found if choice.within]
+    return min(within, key=lambda c: c.seconds) if within else min(found, key=lambda c: c.error_percent)
+
+
+def meridians_for(choice: Choice) -> tuple[int, int]:
+    """Meridian levels to solve: the chosen one's, and the one that checks it."""
+    return (1, 2) if own_meridian(choice) < LEVELS[-1] else (LEVELS[-2], LEVELS[-1])
+
+
+def own_meridian(choice: Choice) -> int:
+    """Meridian level of a choice, or that its body is made from."""
+    return fineness(choice.level) if choice.rung == "axisymmetric" else body_level(choice.level).meridian
+
+
+def explain(scene: Scene, choice: Choice) -> list[str]:
+    """Sentences for a terminal: what is expected of a choice, what is left out, and how long that would have taken."""
+    tolerance = scene.ask.tolerance_percent
+    held = "within" if choice.within else "the best there is for"
+    spread = math.exp(FITS[cells_of(scene)].spread)
+    lines = [
+        f"expected of {choice.rung} {choice.level}: error {choice.error_percent:.2g} % (two times of three within "
+        f"a factor of {spread:.1f}), {held} a tolerance of {tolerance:g} %; about {_time(choice.seconds)}"
+    ]
+    solved = meridians_for(choice)
+    checks = [m for m in solved if m != own_meridian(choice)]
+    seconds = sum(predicted_seconds(scene, "axisymmetric", f"r{m}") for m in checks)
+    beside = " and ".join(f"r{m}" for m in checks)
+    lines.append(
+        f"checked afterwards by axisymmetric {beside} of this scene (about {_time(seconds)}); finer meshes follow only "
+        "if the check fails"
+    )
+    left: list[tuple[Rung, str]] = [("axisymmetric", f"r{m}") for m in LEVELS if m not in solved]
+    left += [(choice.rung, level) for level in candidates(scene, choice.rung) if choice.rung != "axisymmetric"]
+    left += [("full3d", choose(scene, "full3d").level)] if choice.rung == "axisymmetric" else []
+    for rung, level in left:
+        if (rung, level) == (choice.rung, choice.level):
+            continue
+        error, saved = predicted_error_percent(scene, rung, level), predicted_seconds(scene, rung, level)
+        lines.append(f"skipped: {rung} {level}, expected error {error:.2g} %; saves about {_time(saved)}")
+    return lines
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds:.1f} s" if seconds < 120.0 else f"{seconds / 60.0:.1f} min"
+
+
+def _kind(scene: Scene) -> CellKind:
+    return "quadrilaterals" if in_hexahedra(scene) else "triangles"

@@ -1,0 +1,1 @@
+"""How it is shown: tables, plots, pictures, pages and their templates."""

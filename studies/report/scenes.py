@@ -1,0 +1,289 @@
+"""Report of a study as Markdown and as one self-contained HTML file, rendered from rows and runs."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from studies.planning.levels import ranking
+from studies.report import tables
+from studies.report.pages import duration, write_page
+from studies.report.pictures import RingBox, Still, draw_states
+from studies.report.plots import Curve, draw_elongation, draw_overview, draw_times
+from studies.report.tables import REFERENCES, TIP, TIP_FORCE, anchor_of, headline, model_label, rung_label
+from studies.results.files import PATH_FILE, PathRow, RunSummary, write_path
+from studies.results.rows import Row, is_reached, write_rows
+
+
+@dataclass(frozen=True)
+class SceneReport:
+    """What the report says of one scene.
+
+    Attributes
+    ----------
+    name, title
+        Name of the scene, and its heading.
+    scene_toml
+        Text of the scene file.
+    pressures_kpa
+        Asked pressures, kPa.
+    rows
+        The scene's comparison rows.
+    runs
+        Every run behind them.
+    paths
+        All converged states by ``"rung level"``, for instance ``"full3d n24"``.
+    fields
+        By asked pressure (kPa) the .vtu of the finest full 3D run; may be empty.
+    notes
+        Sentences: what was skipped and why, warnings; those that the runs' plans say too are shown once.
+    rings
+        Rigid rings to draw, by pressure (kPa), 0.0 for unloaded; empty where there are none.
+    """
+
+    name: str
+    title: str
+    scene_toml: str
+    pressures_kpa: tuple[float, ...]
+    rows: tuple[Row, ...]
+    runs: tuple[RunSummary, ...]
+    paths: dict[str, list[PathRow]]
+    fields: dict[float, Path]
+    notes: tuple[str, ...]
+    rings: dict[float, tuple[RingBox, ...]] = field(default_factory=dict)
+
+
+def write_report(
+    folder: Path,
+    title: str,
+    introduction: str,
+    scenes: Sequence[SceneReport],
+    provenance: dict[str, str],
+    wall_s: float,
+) -> Path:
+    """Write report.md, report.html, rows.csv, pictures/ and paths/.
+
+    Parameters
+    ----------
+    folder
+        Where to; made if missing.
+    title, introduction
+        Heading, and Markdown that follows it.
+    scenes
+        What to report.
+    provenance
+        Commit, versions, BLAS, machine, date: by the name shown.
+    wall_s
+        Wall time of the whole study, s.
+
+    Returns
+    -------
+    Path
+        report.html.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    write_rows(folder / "rows.csv", (row for scene in scenes for row in scene.rows))
+    content = {
+        "title": title,
+        "introduction": introduction,
+        "summary": tables.summary(scenes, [verdict(scene) for scene in scenes]),
+        "overview": _draw_overview(folder, scenes),
+        "compared_with_paper": any(tables.is_printed(row) for scene in scenes for row in scene.rows),
+        "levels": {rung: _levels(scenes, rung) for rung in REFERENCES},
+        "scenes": [_scene(folder, scene) for scene in scenes],
+        "provenance": tables.provenance(scenes, provenance),
+        "wall": duration(wall_s),
+    }
+    return write_page(folder, "report.md.j2", content)
+
+
+def verdict(scene: SceneReport) -> str:
+    """How far (%) the axisymmetric tip is from that of full 3D over all pressures that both reached."""
+    pairs = [
+        (axisymmetric, full)
+        for pressure in scene.pressures_kpa
+        if (axisymmetric := headline(scene, "axisymmetric", pressure))
+        and (full := headline(scene, "full3d", pressure))
+        and math.isfinite(axisymmetric.value)
+        and math.isfinite(full.value)
+        and full.value != 0.0
+    ]
+    if not pairs:
+        return "no pressure that both axisymmetric and full 3D reached"
+    largest = max(abs(tables.difference_percent(one.value, other.value)) for one, other in pairs)
+    text = f"axisymmetric within {tables.rounded_up(largest, 2):g} % of full 3D"
+    if len(pairs) < len(scene.pressures_kpa):
+        text += f" at {len(pairs)} of {len(scene.pressures_kpa)} pressures"
+    margins = [one.uncertainty + other.uncertainty - abs(one.value - other.value) for one, other in pairs]
+    if all(math.isfinite(margin) for margin in margins):
+        text += f", {'within' if min(margins) >= 0.0 else 'beyond'} the sum of their uncertainties"
+    return text
+
+
+# --- a scene's pictures and files -----------------------------------------------------------
+
+
+def _scene(folder: Path, scene: SceneReport) -> dict[str, Any]:
+    """What the template shows of a scene; draws its pictures on the way."""
+    anchor = anchor_of(scene)
+    elongation, states, times = (f"pictures/{anchor}-{name}.png" for name in ("elongation", "states", "times"))
+    what = "force at the blocked tip" if tables.quantity_of(scene) == TIP_FORCE else "elongation at the tip"
+    axis = f"{what}, {tables.unit_of(scene)}"
+    draw_elongation(folder / elongation, _curves(scene), scene.pressures_kpa, axis)
+    if scene.runs:
+        labels = [model_label(run.rung, run.level) for run in scene.runs]
+        draw_times(folder / times, labels, tables.seconds_of(scene.runs))
+    why_no_states = "no fields were kept"
+    if scene.fields:
+        why_no_states = draw_states(folder / states, _stills(scene))
+    return {
+        "anchor": anchor,
+        "name": scene.name,
+        "title": scene.title,
+        "toml": scene.scene_toml.strip(),
+        "verdict": verdict(scene),
+        "what": what.split(" at the tip")[0].capitalize(),
+        "unit": tables.unit_of(scene),
+        "tips": tables.tips(scene),
+        "differences": tables.differences(scene),
+        "comparisons": tables.comparisons(scene),
+        "stops": _stops(scene),
+        "elongation": elongation,
+        "states": states,
+        "why_no_states": why_no_states,
+        "rings_drawn": any(scene.rings.values()),
+        "convergence": tables.convergence(scene),
+        "instabilities": _instabilities(scene),
+        "others": tables.others(scene),
+        "masses": tables.masses(scene),
+        "work": tables.work(scene),
+        "time_table": tables.times(scene),
+        "times": times if scene.runs else "",
+        "notes": _notes(scene),
+        "files": _files(folder, scene),
+    }
+
+
+def _curves(scene: SceneReport) -> list[Curve]:
+    """The curves of the pressure-elongation plot, the references as their paths where there are any."""
+    curves = []
+    for rung in tables.rungs_of(scene):
+        rows = [row for p in scene.pressures_kpa if (row := headline(scene, rung, p))]
+        reached = [row for row in rows if math.isfinite(row.value)]
+        points = [(row.pressure_kpa, row.value) for row in reached]
+        bars = [row.uncertainty for row in reached]
+        force = tables.quantity_of(scene) == TIP_FORCE
+        states = tables.finest_path(scene, rung)
+        path = [(state.pressure_kpa, state.tip_force_n if force else state.tip_mm) for state in states]
+        if rung == "axisymmetric" and path:
+            points, bars = _from_rest(path), []
+        elif not rung.startswith("paper_") and rung != "full3d":
+            points, bars = _from_rest(points), []
+        stop = next((row.status for row in rows if not is_reached(row)), "")
+        end = (path or _from_rest(points))[-1]
+        curves.append(
+            Curve(
+                rung=rung,
+                label=rung_label(rung),
+                pressure_kpa=tuple(pressure for pressure, _ in points),
+                tip_mm=tuple(tip for _, tip in points),
+                uncertainty_mm=tuple(bars) if any(math.isfinite(bar) for bar in bars) else (),
+                markers=not (rung == "axisymmetric" and path),
+                stopped=f"{rung_label(rung)} {tables.short_status(stop)}" if stop else "",
+                stopped_at=end,
+            )
+        )
+    return curves
+
+
+def _from_rest(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    return points if points and points[0][0] == 0.0 else [(0.0, 0.0), *points]
+
+
+def _stills(scene: SceneReport) -> list[Still]:
+    fields = sorted(scene.fields.items())
+    stills = [Still("unloaded", fields[0][1], deformed=False, rings=scene.rings.get(0.0, ()))]
+    for pressure, vtu in fields:
+        row = headline(scene, "full3d", pressure)
+        tip = f"\ntip +{row.value:.1f} {row.unit}" if row and math.isfinite(row.value) else ""
+        stills.append(Still(f"{pressure:g} kPa{tip}", vtu, rings=scene.rings.get(pressure, ())))
+    return stills
+
+
+def _draw_overview(folder: Path, scenes: Sequence[SceneReport]) -> str:
+    """Draw all scenes at their highest pressure; the picture's place, empty for a single scene."""
+    scenes = [scene for scene in scenes if tables.quantity_of(scene) == TIP]
+    if len(scenes) < 2:
+        return ""
+    values: dict[tuple[str, str], list[float]] = {}
+    for rung in tables.ordered(rung for scene in scenes for rung in tables.rungs_of(scene)):
+        rows = [headline(scene, rung, max(scene.pressures_kpa)) for scene in scenes]
+        values[rung, rung_label(rung)] = [row.value if row else math.nan for row in rows]
+    labels = [f"{scene.name}\n{max(scene.pressures_kpa):g} kPa" for scene in scenes]
+    draw_overview(folder / "pictures/overview.png", labels, values)
+    return "pictures/overview.png"
+
+
+def _files(folder: Path, scene: SceneReport) -> list[tuple[str, str]]:
+    """Write the paths into the report's folder; label and relative address of each file."""
+    files = []
+    for key, states in scene.paths.items():
+        place = Path("paths", anchor_of(scene), key.replace(" ", "-"))
+        write_path(folder / place, states)
+        files.append((f"{model_label(*tables.split_key(key))}: path", quote(str(place / PATH_FILE))))
+    for pressure, vtu in sorted(scene.fields.items()):
+        address = quote(os.path.relpath(vtu.resolve(), folder.resolve()))
+        files.append((f"full 3D, {pressure:g} kPa: fields", address))
+    return files
+
+
+# --- sentences ------------------------------------------------------------------------------
+
+
+def _stops(scene: SceneReport) -> list[str]:
+    """A sentence per way in which levels did not reach a pressure, with its reason."""
+    stops = [row for row in tables.headlines(scene) if not is_reached(row)]
+    found: dict[tuple[str, str], dict[str, None]] = {}
+    for row in stops:
+        found.setdefault((row.rung, row.status), {})[row.level] = None
+    sentences = []
+    for (rung, status), levels in found.items():
+        asked = sorted({row.pressure_kpa for row in stops if (row.rung, row.status) == (rung, status)})
+        asked_text = ", ".join(f"{pressure:g}" for pressure in asked)
+        sentences.append(f"{model_label(rung, ', '.join(levels))}, asked for {asked_text} kPa: {status}")
+    return sentences
+
+
+def _instabilities(scene: SceneReport) -> list[str]:
+    """A sentence per path that has states with negative modes: the first of them."""
+    sentences = []
+    for key, states in scene.paths.items():
+        first = next((state for state in states if state.unstable_modes > 0), None)
+        if first:
+            model = model_label(*tables.split_key(key))
+            tip = f"{first.tip_mm:.2f} mm" if tables.unit_of(scene) == "mm" else f"{first.tip_force_n:.3f} N"
+            where = f"{first.pressure_kpa:.4g} kPa and {tip}"
+            sentences.append(f"{model}: first state with {first.unstable_modes:.0f} unstable at {where}")
+    return sentences
+
+
+def _notes(scene: SceneReport) -> list[str]:
+    """The scene's notes and what the runs' plans skipped, each sentence once, a plan's with the runs it holds for."""
+    plans: dict[str, list[RunSummary]] = {}
+    for run in scene.runs:
+        for sentence in dict.fromkeys(run.plan):
+            plans.setdefault(sentence, []).append(run)
+    own = [note for note in dict.fromkeys(scene.notes) if note not in plans]
+    return [*own, *(f"{sentence} ({tables.models_label(runs)})" for sentence, runs in plans.items())]
+
+
+# --- levels and text ------------------------------------------------------------------------
+
+
+def _levels(scenes: Sequence[SceneReport], rung: str) -> list[str]:
+    return sorted({row.level for s in scenes for row in tables.headlines(s) if row.rung == rung}, key=ranking)

@@ -1,0 +1,437 @@
+"""Tables of a report as text cells, and how rows, models and numbers are looked up and written in them.
+
+Lengths are in mm, pressures in kPa, masses in g, times in s.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from studies.planning.levels import ranking
+from studies.results.files import PathRow, RunSummary
+from studies.results.rows import REACHED, Row, is_reached
+
+if TYPE_CHECKING:
+    from studies.report.scenes import SceneReport
+
+TIP, TIP_FORCE = "tip_mm", "tip_force_n"
+MISSING = "–"
+
+# What the report calls a rung, in the order of its columns; rungs not named here follow.
+RUNGS: Mapping[str, str] = {
+    "closed_form_printed": "closed form as printed",
+    "closed_form": "closed form",
+    "closed_form_balanced": "closed form, balanced",
+    "closed_form_seat": "closed form, free pitch",
+    "axisymmetric": "axisymmetric",
+    "sector": "sector",
+    "full3d": "full 3D",
+    "paper_closed_form": "paper: closed form",
+    "paper_ansys": "paper: ANSYS",
+    "paper_experiment": "paper: experiment",
+}
+# What the others are compared with: the first of these that reached the pressure.
+REFERENCES = ("full3d", "axisymmetric")
+ACTIVITIES = ("mesh", "compile", "pattern", "residual", "tangent", "factor", "solve", "checks", "output")
+# What the report calls a quantity; quantities not named here keep the name of their rows.
+QUANTITIES: Mapping[str, str] = {"axisymmetric_full3d_gap_percent": "gap between axisymmetric and full 3D"}
+# How it writes the value of a quantity; the others with four digits. The # keeps zeros that end a number.
+FORMATS: Mapping[str, str] = {"unstable_modes": ".0f", "min_det_f": "#.3g"}
+
+_STOPPED = re.compile(r"stopped at ([-+.\deE]+) kPa")
+
+
+@dataclass(frozen=True)
+class Table:
+    """Cells of a table as text; columns in ``left`` are left-aligned, the others right."""
+
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    left: tuple[int, ...] = (0,)
+
+
+def as_text(table: Table) -> str:
+    """A table for a terminal, its columns lined up."""
+    lines = [table.header, *table.rows]
+    widths = [max(len(line[column]) for line in lines) for column in range(len(table.header))]
+    return "\n".join(
+        "  ".join(
+            text.ljust(width) if column in table.left else text.rjust(width)
+            for column, (text, width) in enumerate(zip(line, widths, strict=True))
+        ).rstrip()
+        for line in lines
+    )
+
+
+def summary(scenes: Sequence[SceneReport], verdicts: Sequence[str]) -> Table:
+    """Tip elongation (mm) or force (N) at each scene's highest asked pressure (kPa), status and verdict."""
+    rungs = ordered(rung for scene in scenes for rung in rungs_of(scene))
+    lines = []
+    for scene, verdict in zip(scenes, verdicts, strict=True):
+        highest = max(scene.pressures_kpa, key=abs)
+        values = [value_text(headline(scene, rung, highest)) for rung in rungs]
+        link = f"[{scene.name}](#{anchor_of(scene)})"
+        lines.append((link, f"{highest:g}", *values, _status(scene), verdict))
+    header = ("scene", "kPa", *map(rung_label, rungs), "status", "verdict")
+    return Table(header, tuple(lines), left=(0, len(header) - 2, len(header) - 1))
+
+
+def tips(scene: SceneReport) -> Table:
+    """Tip elongation (mm) and negative modes; a line per asked pressure (kPa), a column per rung."""
+    rungs = rungs_of(scene)
+    counted = [rung for rung in RUNGS if finest_path(scene, rung)]
+    lines = []
+    for pressure in scene.pressures_kpa:
+        values = [value_text(headline(scene, rung, pressure)) for rung in rungs]
+        modes = [_modes(finest_path(scene, rung), pressure) for rung in counted]
+        lines.append((f"{pressure:g}", *values, *modes))
+    header = ("pressure, kPa", *map(rung_label, rungs))
+    header += tuple(f"unstable modes, {rung_label(rung)}" for rung in counted)
+    return Table(header, tuple(lines), left=())
+
+
+def differences(scene: SceneReport) -> Table:
+    """Differences of the tip from the best model that reached each pressure (kPa), in percent."""
+    rungs = [rung for rung in rungs_of(scene) if rung != REFERENCES[0]]
+    lines = []
+    for pressure in scene.pressures_kpa:
+        reference = _reference(scene, pressure)
+        if reference is None:
+            lines.append((f"{pressure:g}", *(MISSING,) * (1 + len(rungs))))
+            continue
+        cells = []
+        for rung in rungs:
+            row = headline(scene, rung, pressure)
+            known = row is not None and math.isfinite(row.value) and rung != reference.rung
+            cells.append(signed(difference_percent(row.value, reference.value)) if row and known else MISSING)
+        lines.append((f"{pressure:g}", rung_label(reference.rung), *cells))
+    header = ("pressure, kPa", "compared with", *map(rung_label, rungs))
+    return Table(header, tuple(lines), left=(1,))
+
+
+def comparisons(scene: SceneReport) -> Table:
+    """Tip's rows (mm) whose reference is not that of `differences`; finest level of each rung."""
+    lines = []
+    for rung in rungs_of(scene):
+        for pressure in scene.pressures_kpa:
+            row, usual = headline(scene, rung, pressure), _reference(scene, pressure)
+            shown = row and usual and math.isclose(row.reference, usual.value, rel_tol=1e-6)
+            if row and math.isfinite(row.reference) and not shown:
+                error = signed(row.error_percent) if math.isfinite(row.error_percent) else MISSING
+                model = model_label(rung, row.level)
+                lines.append(
+                    (model, f"{pressure:g}", value_text(row), f"{row.reference:.5g}", error, row.source or MISSING)
+                )
+    unit = unit_of(scene)
+    header = ("model", "pressure, kPa", f"value, {unit}", f"reference, {unit}", "error, %", "source of the reference")
+    return Table(header, tuple(lines), left=(0, 5))
+
+
+def convergence(scene: SceneReport) -> Table:
+    """Tip elongation (mm) at each level beside the level's size, so that the discretisation error is seen."""
+    lines = []
+    for rung in rungs_of(scene):
+        levels = sorted({row.level for row in headlines(scene) if row.rung == rung}, key=ranking)
+        if levels == [""]:
+            continue
+        for level in levels:
+            run = next((run for run in scene.runs if (run.rung, run.level) == (rung, level)), None)
+            size = (count(run.cells), count(run.nodes), count(run.dofs)) if run else (MISSING,) * 3
+            tips = [_level_value(scene, rung, level, pressure) for pressure in scene.pressures_kpa]
+            lines.append((model_label(rung, level), *size, *tips))
+        bounds = [headline(scene, rung, pressure) for pressure in scene.pressures_kpa]
+        if any(row and math.isfinite(row.uncertainty) for row in bounds):
+            known = (row.uncertainty if row else math.nan for row in bounds)
+            texts = (MISSING if math.isnan(bound) else f"± {up(bound, 3)}" for bound in known)
+            lines.append((f"uncertainty of {model_label(rung, levels[-1])}", "", "", "", *texts))
+    header = (f"at {pressure:g} kPa, {unit_of(scene)}" for pressure in scene.pressures_kpa)
+    return Table(("model", "cells", "nodes", "unknowns", *header), tuple(lines))
+
+
+def others(scene: SceneReport) -> Table:
+    """All quantities but the tip, units in the lines; a line per quantity and model, a column per pressure (kPa)."""
+    rows = [row for row in scene.rows if row.quantity != quantity_of(scene)]
+    pressures = sorted({row.pressure_kpa for row in rows if math.isfinite(row.pressure_kpa)})
+    has_none = any(not math.isfinite(row.pressure_kpa) for row in rows)
+    columns = [*([math.nan] if has_none else []), *pressures]
+    lines: dict[tuple[str, str], dict[str, str]] = {}
+    sources: dict[tuple[str, str], list[str]] = {}
+    for row in rows:
+        unit = "" if row.unit in ("", "-", "1") else f", {row.unit}"
+        key = (f"{QUANTITIES.get(row.quantity, row.quantity)}{unit}", model_label(row.rung, row.level))
+        lines.setdefault(key, {})[f"{row.pressure_kpa:g}"] = _generic(row)
+        of_line = sources.setdefault(key, [])
+        if row.source and row.source not in of_line:
+            of_line.append(row.source)
+    header = [f"{p:g} kPa" if math.isfinite(p) else "any pressure" for p in columns]
+    cells = [(*key, *(line.get(f"{p:g}", MISSING) for p in columns)) for key, line in lines.items()]
+    if not any(sources.values()):
+        return Table(("quantity", "model", *header), tuple(cells), left=(0, 1))
+    compared = [(*line, "; ".join(sources[key]) or MISSING) for key, line in zip(lines, cells, strict=True)]
+    return Table(("quantity", "model", *header, "compared with"), tuple(compared), left=(0, 1, 2 + len(columns)))
+
+
+def work(scene: SceneReport) -> Table:
+    """Size, work and peak memory (MB) of each run."""
+    return work_of(scene.runs, [model_label(run.rung, run.level) for run in scene.runs])
+
+
+def work_of(runs: Sequence[RunSummary], labels: Sequence[str]) -> Table:
+    """As `work`, of any runs by their labels."""
+    lines = tuple(
+        (
+            label,
+            run.status,
+            *(count(n) for n in (run.dofs, run.factorisations, run.newton_iterations, run.rejected_steps)),
+            f"{run.peak_mb:.0f}",
+            f"{run.ranks}",
+            f"{run.threads}",
+        )
+        for label, run in zip(labels, runs, strict=True)
+    )
+    header = ("run", "status", "unknowns", "factorisations", "Newton iterations", "rejected steps")
+    return Table((*header, "peak memory, MB", "ranks", "threads"), lines, left=(0, 1))
+
+
+def times(scene: SceneReport) -> Table:
+    """Wall time (s) of each run by activity."""
+    return times_of(scene.runs, [model_label(run.rung, run.level) for run in scene.runs])
+
+
+def times_of(runs: Sequence[RunSummary], labels: Sequence[str]) -> Table:
+    """As `times`, of any runs by their labels."""
+    split = seconds_of(runs)
+    lines = []
+    for place, (label, run) in enumerate(zip(labels, runs, strict=True)):
+        seconds = [values[place] for values in split.values()]
+        total = run.time_s.get("total", sum(seconds))
+        lines.append((label, *(short_time(value) for value in (*seconds, total))))
+    return Table(("run, s", *split, "total"), tuple(lines))
+
+
+def masses(scene: SceneReport) -> Table:
+    """Masses (g) of the meshes, equal ones on one line, and what the rows compare them with."""
+    runs: dict[tuple[str, ...], list[RunSummary]] = {}
+    for run in scene.runs:
+        grams = (run.silicone_g, run.ring_g, run.silicone_g + run.ring_g)
+        texts = tuple(MISSING if math.isnan(mass) else f"{mass:.2f}" for mass in grams)
+        runs.setdefault(texts, []).append(run)
+    lines = [(models_label(equal), *texts) for texts, equal in runs.items()]
+    references = dict.fromkeys(
+        (row.quantity, f"{row.reference:g}", row.source)
+        for row in scene.rows
+        if row.unit == "g" and math.isfinite(row.reference)
+    )
+    columns = ("silicone_g", "ring_g")
+    for quantity, mass, source in references:
+        place = columns.index(quantity) if quantity in columns else len(columns)
+        lines.append((f"reference: {source}", *("", "", "")[:place], mass, *("", "", "")[place + 1 :]))
+    return Table(("mesh", "silicone, g", "rings, g", "together, g"), tuple(lines))
+
+
+def provenance(scenes: Sequence[SceneReport], stamps: Mapping[str, str]) -> Table:
+    """The caller's stamps, and those of the runs: a run that was not repeated keeps its own."""
+    runs = [run for scene in scenes for run in scene.runs]
+    own = {
+        "commit of the runs": sorted({run.commit for run in runs}),
+        "BLAS of the runs": sorted({run.blas for run in runs}),
+        "versions of the runs": sorted(
+            {", ".join(f"{name} {version}" for name, version in run.versions.items()) for run in runs}
+        ),
+        "runs made": sorted({run.when for run in runs}),
+    }
+    if len(own["runs made"]) > 2:
+        own["runs made"] = [f"{own['runs made'][0]} to {own['runs made'][-1]}"]
+    lines = [*stamps.items(), *((name, "; ".join(values)) for name, values in own.items() if values)]
+    return Table(("what", "value"), tuple((name, value or MISSING) for name, value in lines), left=(0, 1))
+
+
+# --- rows and levels ------------------------------------------------------------------------
+
+
+def quantity_of(scene: SceneReport) -> str:
+    """What a scene is about: the force at its tip if it is blocked, else the elongation."""
+    return TIP_FORCE if any(row.quantity == TIP_FORCE for row in scene.rows) else TIP
+
+
+def unit_of(scene: SceneReport) -> str:
+    """Unit of what a scene is about."""
+    return "N" if quantity_of(scene) == TIP_FORCE else "mm"
+
+
+def headlines(scene: SceneReport) -> list[Row]:
+    """All rows of what a scene is about."""
+    quantity = quantity_of(scene)
+    return [row for row in scene.rows if row.quantity == quantity]
+
+
+def headline(scene: SceneReport, rung: str, pressure_kpa: float) -> Row | None:
+    """Tip's row (mm, N) of a rung's finest level at a pressure (kPa), reached or not; None if there is none."""
+    found = [row for row in headlines(scene) if row.rung == rung]
+    found = [row for row in found if math.isclose(row.pressure_kpa, pressure_kpa)]
+    return max(found, key=lambda row: ranking(row.level), default=None)
+
+
+def seconds_of(runs: Sequence[RunSummary]) -> dict[str, list[float]]:
+    """Seconds by activity, a number per run; ``other`` is what no activity of the run accounts for."""
+    named = [name for name in ACTIVITIES if any(name in run.time_s for run in runs)]
+    more = sorted({name for run in runs for name in run.time_s} - {*ACTIVITIES, "total", "other"})
+    split = {name: [run.time_s.get(name, 0.0) for run in runs] for name in (*named, *more)}
+    accounted = [sum(column) for column in zip(*split.values(), strict=True)] or [0.0] * len(runs)
+    totals = [run.time_s.get("total", known) for run, known in zip(runs, accounted, strict=True)]
+    split["other"] = [max(0.0, total - known) for total, known in zip(totals, accounted, strict=True)]
+    return split
+
+
+def ordered(rungs: Iterable[str]) -> list[str]:
+    """Rungs once each, known ones first and in the order of `RUNGS`."""
+    given = list(dict.fromkeys(rungs))
+    return [*(rung for rung in RUNGS if rung in given), *(rung for rung in given if rung not in RUNGS)]
+
+
+def rungs_of(scene: SceneReport) -> list[str]:
+    """Rungs that a scene has the tip of, in the order of `RUNGS`."""
+    return ordered(row.rung for row in headlines(scene))
+
+
+def is_printed(row: Row) -> bool:
+    """True for a number that the paper prints."""
+    return row.rung.startswith("paper_")
+
+
+def finest_path(scene: SceneReport, rung: str) -> list[PathRow]:
+    """All converged states of a rung's finest level; empty if it has none."""
+    keys = [key for key in scene.paths if split_key(key)[0] == rung]
+    return scene.paths[max(keys, key=lambda key: ranking(split_key(key)[1]))] if keys else []
+
+
+def split_key(key: str) -> tuple[str, str]:
+    """Rung and level of a key such as ``"full3d n24"``."""
+    rung, _, level = key.partition(" ")
+    return rung, level
+
+
+def _reference(scene: SceneReport, pressure_kpa: float) -> Row | None:
+    rows = (headline(scene, rung, pressure_kpa) for rung in REFERENCES)
+    return next((row for row in rows if row and math.isfinite(row.value) and row.value != 0.0), None)
+
+
+def _modes(states: Sequence[PathRow], pressure_kpa: float) -> str:
+    """Negative modes at an asked pressure; a dash where it was not reached or they were not counted."""
+    asked = (state for state in states if state.status == "asked")
+    found = next((s for s in asked if math.isclose(s.pressure_kpa, pressure_kpa, rel_tol=1e-6)), None)
+    return MISSING if found is None or math.isnan(found.unstable_modes) else f"{found.unstable_modes:.0f}"
+
+
+def _level_value(scene: SceneReport, rung: str, level: str, pressure_kpa: float) -> str:
+    for row in headlines(scene):
+        if (row.rung, row.level) == (rung, level) and math.isclose(row.pressure_kpa, pressure_kpa):
+            return f"{row.value:.3f}" if math.isfinite(row.value) else short_status(row.status)
+    return MISSING
+
+
+def _status(scene: SceneReport) -> str:
+    stops: dict[tuple[str, str], dict[str, None]] = {}
+    for row in headlines(scene):
+        if not is_reached(row):
+            stops.setdefault((row.rung, short_status(row.status)), {})[row.level] = None
+    texts = (f"{model_label(rung, ', '.join(levels))} {status}" for (rung, status), levels in stops.items())
+    return "; ".join(texts) or REACHED
+
+
+# --- text -----------------------------------------------------------------------------------
+
+
+def rung_label(rung: str) -> str:
+    """What the report calls a rung."""
+    return RUNGS.get(rung, rung.replace("_", " "))
+
+
+def model_label(rung: str, level: str) -> str:
+    """What the report calls a level of a rung."""
+    return f"{rung_label(rung)} {level}".strip()
+
+
+def models_label(runs: Iterable[RunSummary]) -> str:
+    """What the report calls several runs: each rung once, with its levels."""
+    levels: dict[str, list[str]] = {}
+    for run in runs:
+        levels.setdefault(run.rung, []).append(run.level)
+    return "; ".join(model_label(rung, ", ".join(of_rung)) for rung, of_rung in levels.items())
+
+
+def anchor_of(scene: SceneReport) -> str:
+    """Name of a scene as it stands in addresses."""
+    return re.sub(r"[^a-z0-9]+", "-", scene.name.lower()).strip("-")
+
+
+def short_status(status: str) -> str:
+    """A status without its reason; the reason is listed below the table."""
+    found = _STOPPED.match(status)
+    return found[0] if found else status
+
+
+def value_text(row: Row | None) -> str:
+    """Tip, mm (or N, which is said), and its uncertainty; printed numbers with the digits they have."""
+    if row is None:
+        return MISSING
+    if not math.isfinite(row.value):
+        return short_status(row.status)
+    if is_printed(row):
+        return f"{row.value:g}"
+    digits, unit = (3, " N") if row.unit == "N" else (2, "")
+    text = f"{row.value:.{digits}f}"
+    text = f"{text}{unit}" if math.isnan(row.uncertainty) else f"{text} ± {up(row.uncertainty, digits)}{unit}"
+    state = row.status.removeprefix(REACHED).strip(", ")
+    return f"{text} ({state})" if state else text
+
+
+def _generic(row: Row) -> str:
+    """Any row's value, its uncertainty and what it is compared with; a dash where it was not determined."""
+    if not math.isfinite(row.value):
+        return MISSING if row.status == REACHED else short_status(row.status)
+    text = format(row.value, FORMATS.get(row.quantity, ".4g"))
+    if math.isfinite(row.uncertainty):
+        text += f" ± {rounded_up(row.uncertainty, 2):.2g}"
+    if math.isfinite(row.error_percent):
+        text += f" ({signed(row.error_percent)} % from {row.reference:g})"
+    return text
+
+
+def difference_percent(value: float, reference: float) -> float:
+    """Difference of a value from its reference, in percent of the reference's size."""
+    return 100.0 * (value - reference) / abs(reference)
+
+
+def signed(percent: float) -> str:
+    """A percentage with its sign and as many decimals as it deserves."""
+    text = f"{percent:+.2f}" if abs(percent) < 1.0 else f"{percent:+.1f}"
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def up(value: float, decimals: int) -> str:
+    """An uncertainty rounded up, so that none reads as zero."""
+    scale = 10.0**decimals
+    return f"{math.ceil(value * scale - 1e-9) / scale:.{decimals}f}"
+
+
+def rounded_up(value: float, digits: int) -> float:
+    """The next number with so many significant digits that is not smaller."""
+    if value == 0.0 or not math.isfinite(value):
+        return value
+    scale = 10.0 ** (digits - 1 - math.floor(math.log10(abs(value))))
+    return math.ceil(value * scale - 1e-9) / scale
+
+
+def count(number: int) -> str:
+    """A whole number with its thousands set apart."""
+    return f"{number:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+
+
+def short_time(seconds: float) -> str:
+    """Seconds with as many decimals as they deserve."""
+    return f"{seconds:.1f}" if seconds < 100.0 else f"{seconds:.0f}"

@@ -1,0 +1,148 @@
+"""What a run leaves on disk: path.csv, summary.json, states and fields; written whole or not at all."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+from solvers.files import write_atomically
+
+PATH_FILE, SUMMARY_FILE, FIELDS_FOLDER = "path.csv", "summary.json", "fields"
+
+
+@dataclass(frozen=True)
+class PathRow:
+    """One converged state, as a row of path.csv.
+
+    NaN (an empty field) marks what was not computed. ``unstable_by_m`` has the unstable modes of m = 0…6 about an
+    axisymmetric state, ``0;1;0;0;0;0;0`` for one that bends sideways, at asked pressures on r1 or r2.
+    ``tip_force_n`` is the axial force of the actuator on what holds or loads its tip, positive outwards: 0 for a free
+    tip, minus the scene's dead force (which is positive when it pulls). ``reaction_n`` is that of the support on the
+    actuator, so that ``reaction_n + P A = tip_force_n`` with the inlet's area A. ``control`` says what was held in the
+    solve; ``status`` is ``asked`` for states at asked pressures, ``step`` for those between.
+    """
+
+    pressure_kpa: float
+    control: str
+    tip_mm: float
+    tip_centre_mm: float
+    tip_force_n: float
+    volume_mm3: float
+    energy_mj: float
+    reaction_n: float
+    min_det_f: float
+    min_gap_mm: float
+    unstable_modes: float
+    unstable_by_m: str
+    newton_iterations: int
+    wall_s: float
+    status: str
+    bond_slip_rms_mm: float
+
+
+@dataclass(frozen=True)
+class RunSummary:
+    """A run in figures, as summary.json.
+
+    Attributes
+    ----------
+    scene, rung, level
+        Which scene, which model, which mesh (`studies.planning.levels`: ``r4``, ``n8r2``).
+    status, reason, cause
+        ``reached`` (all asked pressures) or ``stopped``, and why: in words, and the kind (solvers.errors.Cause).
+    crossing
+        Where the number of unstable modes changed first: kind, pressure_kpa, within_kpa, volume_mm3, modes_before,
+        modes_after; empty if nowhere. The mode is in ``critical_mode.npz`` and ``critical_mode.vtu``.
+    content_hash
+        Hash of the inputs and of the code that computes; a finished run with this hash is not repeated.
+    plan
+        What was skipped and why, a sentence each.
+    dofs, cells, nodes
+        Size.
+    factorisations, newton_iterations, rejected_steps
+        Work.
+    silicone_g, ring_g
+        Masses from the mesh, g; rings are computed from their section when they are not meshed.
+    time_s
+        Wall seconds by activity; ``total`` is the whole run (modes.json has those of the counts made after it).
+    peak_mb
+        Peak resident memory of all ranks together.
+    versions, blas, ranks, threads, commit, when
+        Provenance.
+    """
+
+    scene: str
+    rung: str
+    level: str
+    status: str
+    reason: str
+    content_hash: str
+    plan: tuple[str, ...]
+    dofs: int
+    cells: int
+    nodes: int
+    factorisations: int
+    newton_iterations: int
+    rejected_steps: int
+    silicone_g: float
+    ring_g: float
+    time_s: dict[str, float]
+    peak_mb: float
+    versions: dict[str, str]
+    blas: str
+    ranks: int
+    threads: int
+    commit: str
+    when: str
+    cause: str = ""
+    crossing: dict[str, Any] = field(default_factory=dict)
+
+
+PATH_COLUMNS = tuple(f.name for f in fields(PathRow))
+
+
+def write_text_atomically(path: Path, text: str) -> None:
+    """As `write_atomically`, for text."""
+    write_atomically(path, text.encode("utf-8"))
+
+
+def write_path(folder: Path, rows: Iterable[PathRow]) -> None:
+    """Write path.csv."""
+    lines = [",".join(PATH_COLUMNS)]
+    for row in rows:
+        lines.append(",".join(_text(getattr(row, name)) for name in PATH_COLUMNS))
+    write_text_atomically(folder / PATH_FILE, "\n".join(lines) + "\n")
+
+
+def read_path(folder: Path) -> list[PathRow]:
+    """Read path.csv."""
+    kinds: dict[str, Callable[[str], Any]] = {"float": _number, "int": int, "str": str}
+    convert = {f.name: kinds[str(f.type)] for f in fields(PathRow)}
+    with (folder / PATH_FILE).open(newline="", encoding="utf-8") as stream:
+        return [PathRow(**{k: convert[k](v) for k, v in entry.items()}) for entry in csv.DictReader(stream)]
+
+
+def write_summary(folder: Path, summary: RunSummary) -> None:
+    """Write summary.json."""
+    write_text_atomically(folder / SUMMARY_FILE, json.dumps(asdict(summary), indent=1, allow_nan=False) + "\n")
+
+
+def read_summary(folder: Path) -> RunSummary:
+    """Read summary.json."""
+    data: dict[str, Any] = json.loads((folder / SUMMARY_FILE).read_text(encoding="utf-8"))
+    return RunSummary(**{**data, "plan": tuple(data["plan"])})
+
+
+def _number(text: str) -> float:
+    return float(text) if text else math.nan
+
+
+def _text(value: float | int | str) -> str:
+    if isinstance(value, float):
+        return "" if math.isnan(value) else f"{value:.12g}"
+    return str(value)

@@ -1,0 +1,375 @@
+"""The closed form's assumptions, measured in the axisymmetric states of a scene.
+
+What a state is measured for, and beside it what the closed form (`analytical.chains`, mended chain) says of the same:
+
+============================  ====  ===================================================================================
+``root_stretch_outer``        1     hoop stretch of the roots' outside at their throat; the model's lambda_y
+``root_stretch_inner``        1     the same on the cavity side
+``root_bulge_mm``             mm    outward displacement of the roots' outside at their throat
+``wall_stretch``              1     deformed over undeformed length of the side wall; the model's lambda_a, see `Places`
+``wall_hoop_stretch_middle``  1     hoop stretch half-way along the side wall; the model's pure shear says 1
+``ring_hoop_stretch``         1     hoop stretch of the wall under the rings; the model says 1
+``peak_stretch``              1     largest principal stretch of the silicone; the model's is that of root or side wall
+``peak_stretch_away``         1     the same without what is near the edges of the seats, where corners may be singular
+``peak_slip_mm``              mm    largest slip of the bond between wall and rigid rings; the model has none
+``unfolding_kpa``             kPa   pressure at which the roots' outside is as far out as the crests'
+============================  ====  ===================================================================================
+
+Stretches of the wall are those of its mid-surface. All but the peaks are means over all roots, sides or seats.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+from scipy.spatial import cKDTree
+
+from analytical.bellows import BellowsError
+from analytical.bellows_loads import held_tip
+from analytical.chains import closed_form
+from meshes.cells import QUADRILATERAL_NODES, TRIANGLE_EDGES, CellKind, CellShape
+from meshes.meridian import Band, bellows_band, default_resolution
+from meshes.solid import REGIONS, FloatArray, IntArray
+from solvers.state import State
+from studies.models.build import scene_meridian
+from studies.models.run_log import Run
+from studies.results.compare import MERIDIAN_ORDER, run_convergence
+from studies.results.rows import Row, row
+from studies.results.states import load_state
+from studies.scene.bellows import Scene, dimensions_of, in_hexahedra, law_of, shape_of
+
+UNITS = {
+    "root_stretch_outer": "1",
+    "root_stretch_inner": "1",
+    "root_bulge_mm": "mm",
+    "wall_stretch": "1",
+    "wall_hoop_stretch_middle": "1",
+    "ring_hoop_stretch": "1",
+    "peak_stretch": "1",
+    "peak_stretch_away": "1",
+    "peak_slip_mm": "mm",
+}
+# Nearer to a seat's edge, on the outside, a peak may be that of a singular corner.
+NEAR_EDGE_MM = 0.5
+
+
+@dataclass(frozen=True)
+class Places:
+    """Nodes of a scene's meridian mesh at which its states are measured.
+
+    Attributes
+    ----------
+    points, cells
+        The mesh's nodes, mm, and those of its cells that are silicone.
+    cell
+        Their reference cell.
+    throats_outside, throats_inside
+        Nodes of the roots at their smallest radius, shape (n,).
+    sides
+        Nodes of the mid-surface of each side wall in order, shape (2 n, s): from the edge of the ring's seat (the
+        crest's middle where there are no rings) along the crest's arc, the straight side and the root's arc to the
+        throat, or back. The model's side runs straight from crest to root and has no arcs.
+    seats_middle, seats_outside
+        Nodes of the mid-surface and of the outside under each ring in order, shape (n + 1, s); s = 0 without rings.
+    near_edge
+        True within ``NEAR_EDGE_MM`` of an outer edge of a seat, shape (nodes,).
+    band
+        Stations along the outline, which know the part of the wall they belong to.
+    """
+
+    points: FloatArray
+    cells: IntArray
+    cell: CellShape
+    throats_outside: IntArray
+    throats_inside: IntArray
+    sides: IntArray
+    seats_middle: IntArray
+    seats_outside: IntArray
+    near_edge: NDArray[np.bool_]
+    band: Band
+
+    def part(self, node: int) -> str:
+        """Where in the silicone a node is: root, side, crest, seat, collar or cap, and near which surface."""
+        band = self.band
+        lines = np.stack([band.inner, 0.5 * (band.inner + band.outer), band.outer])
+        distance = np.linalg.norm(lines - self.points[node], axis=-1)
+        depth, station = np.unravel_index(np.argmin(distance), distance.shape)
+        kind = band.kinds[min(int(station) // 2, len(band.kinds) - 1)]
+        return f"{'cap' if kind == 'corner' else kind}, {('cavity side', 'middle', 'outside')[depth]}"
+
+
+def find_places(scene: Scene, refinement: int) -> Places:
+    """Mesh the meridian of a scene at a refinement and find the places in it."""
+    shape, mesh = shape_of(scene), scene_meridian(scene, refinement)
+    cells: CellKind = "quadrilaterals" if in_hexahedra(scene) else "triangles"
+    band = bellows_band(shape, default_resolution(shape, refinement, cells))
+    tree = cKDTree(mesh.points)
+    inside, middle, outside = (
+        np.asarray(tree.query(at)[1]) for at in (band.inner, 0.5 * (band.inner + band.outer), band.outer)
+    )
+    roots = np.array([_stations(band, "root", k) for k in range(shape.convolutions)])
+    half_root = roots.shape[1] // 2
+    throats = roots[:, half_root]
+    # A fold is the same forwards and backwards. The arc at a crest has as many stations as half a root; a straight
+    # side has two per interval, and the fold two sides.
+    length = 2 * half_root + len(_intervals(band, "side", 0))
+    along = np.arange(length + 1)
+    sides = np.vstack([throats[:, None] - length + along, throats[:, None] + along])
+    seats = np.empty((0, 0), dtype=np.int64)
+    if scene.rings.model != "none":
+        seats = np.array([_stations(band, "seat", k) for k in range(shape.convolutions + 1)])
+    edges = np.concatenate([seats[:, :1], seats[:, -1:]])
+    away = np.linalg.norm(mesh.points - band.outer[edges].reshape(-1, 1, 2), axis=2)
+    return Places(
+        points=mesh.points,
+        cells=mesh.cells[mesh.regions != REGIONS["ring"]],
+        cell=mesh.cell,
+        throats_outside=outside[throats],
+        throats_inside=inside[throats],
+        sides=middle[sides],
+        seats_middle=middle[seats],
+        seats_outside=outside[seats],
+        near_edge=(away < NEAR_EDGE_MM).any(axis=0),
+        band=band,
+    )
+
+
+def _intervals(band: Band, kind: str, number: int) -> list[int]:
+    return [k for k, piece in enumerate(zip(band.kinds, band.index, strict=True)) if piece == (kind, number)]
+
+
+def _stations(band: Band, kind: str, number: int) -> IntArray:
+    """Stations of the adjoining intervals of a kind and a number, both ends included."""
+    found = _intervals(band, kind, number)
+    return np.arange(2 * found[0], 2 * found[-1] + 3)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a state was measured for: values by the names in ``UNITS``, and where each peak is."""
+
+    values: Mapping[str, float]
+    peak_in: Mapping[str, str]
+
+
+def measure(scene: Scene, places: Places, state: State) -> Measured:
+    """Measure an axisymmetric state; what a scene without (rigid) rings does not have is left out."""
+    u = state.displacement_mm
+    hoop = hoop_stretches(places.points, u)
+    middle = places.sides[:, places.sides.shape[1] // 2]
+    lengths = [curve_length(x[places.sides]) for x in (places.points + u, places.points)]
+    values = {
+        "root_stretch_outer": hoop[places.throats_outside].mean(),
+        "root_stretch_inner": hoop[places.throats_inside].mean(),
+        "root_bulge_mm": u[places.throats_outside, 0].mean(),
+        "wall_stretch": (lengths[0] / lengths[1]).mean(),
+        "wall_hoop_stretch_middle": hoop[middle].mean(),
+    }
+    stretch = largest_stretches(places, u)
+    peaks = {"peak_stretch": int(np.argmax(stretch))}
+    if places.seats_middle.size:
+        values["ring_hoop_stretch"] = mean_along(hoop[places.seats_middle]).mean()
+        peaks["peak_stretch_away"] = int(np.argmax(np.where(places.near_edge, 0.0, stretch)))
+    if scene.rings.model == "rigid":
+        # a rigid plate at the tip is one more body, after the rings
+        ring = state.bodies_mm[: len(places.seats_outside), :1]
+        slip = np.hypot(u[places.seats_outside, 0], u[places.seats_outside, 1] - ring)
+        values["peak_slip_mm"] = slip.max()
+    values |= {name: stretch[node] for name, node in peaks.items()}
+    return Measured(
+        {name: float(value) for name, value in values.items()},
+        {name: places.part(node) for name, node in peaks.items()},
+    )
+
+
+def hoop_stretches(points: FloatArray, displacement_mm: FloatArray) -> FloatArray:
+    """Hoop stretch at nodes, shape (nodes,); 0 on the axis, where it is the radial one."""
+    radius = points[:, 0]
+    return np.divide(radius + displacement_mm[:, 0], radius, out=np.zeros(len(points)), where=radius > 0.0)
+
+
+def largest_stretches(places: Places, displacement_mm: FloatArray) -> FloatArray:
+    """Largest principal stretch at the nodes of the silicone, shape (nodes,); 0 at nodes of the rings alone.
+
+    In the meridian plane, of the mean of the right Cauchy-Green tensors of the cells at a node.
+    """
+    cells = places.cells
+    slopes = places.cell.shape(_node_places(places.cell))[1]
+    before, after = (  # derivatives of the positions in the reference cell, shape (cells, nodes of a cell, 2, 2)
+        np.moveaxis(np.tensordot(x[cells], slopes, (1, 1)), 1, 2)
+        for x in (places.points, places.points + displacement_mm)
+    )
+    # by Cramer's rule: numpy's inverse of a hundred thousand 2 x 2 matrices takes twenty times as long
+    a, b, c, d = before[..., 0, 0], before[..., 0, 1], before[..., 1, 0], before[..., 1, 1]
+    inverse = np.stack([np.stack([d, -b], axis=-1), np.stack([-c, a], axis=-1)], axis=-2)
+    gradient = after @ (inverse / (a * d - b * c)[..., None, None])
+    tensor = np.swapaxes(gradient, -1, -2) @ gradient
+    at, count = cells.ravel(), len(places.points)
+    share = np.maximum(np.bincount(at, minlength=count), 1)
+    rr, rz, zz = (
+        np.bincount(at, weights=tensor[..., i, j].ravel(), minlength=count) / share for i, j in ((0, 0), (0, 1), (1, 1))
+    )
+    in_plane = np.sqrt(0.5 * (rr + zz) + np.hypot(0.5 * (rr - zz), rz))
+    hoop = np.zeros(count)
+    silicone = np.unique(at)
+    hoop[silicone] = hoop_stretches(places.points, displacement_mm)[silicone]
+    return np.maximum(in_plane, hoop)
+
+
+def _node_places(cell: CellShape) -> FloatArray:
+    """Nodes of the reference cell, shape (nodes, 2)."""
+    if cell.name == "quadrilateral":
+        return 0.5 * QUADRILATERAL_NODES
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    return np.vstack([corners, [corners[list(edge)].mean(axis=0) for edge in TRIANGLE_EDGES]])
+
+
+def curve_length(points: FloatArray) -> FloatArray:
+    """Length of curves of parabolas through each three nodes (corner, middle, corner, ...).
+
+    Parameters
+    ----------
+    points
+        Shape (..., 2 m + 1, 2), mm.
+
+    Returns
+    -------
+    ndarray
+        Shape (...), mm.
+    """
+    a, b, c = (points[..., k : points.shape[-2] - 2 + k : 2, None, :] for k in range(3))
+    x, weight = np.polynomial.legendre.leggauss(4)
+    s = 0.5 * (x[:, None] + 1.0)
+    tangent = (4.0 * s - 3.0) * a + (4.0 - 8.0 * s) * b + (4.0 * s - 1.0) * c
+    return np.asarray((np.linalg.norm(tangent, axis=-1) @ (0.5 * weight)).sum(axis=-1))
+
+
+def mean_along(values: FloatArray) -> FloatArray:
+    """Mean along lines of equally long quadratic pieces, shape (..., 2 m + 1) -> (...)."""
+    return np.asarray((values[..., :-2:2] + 4.0 * values[..., 1:-1:2] + values[..., 2::2]).mean(axis=-1) / 6.0)
+
+
+def unfolding_pressure(pressures_kpa: Sequence[float], bulges_mm: Sequence[float], fold_mm: float) -> float:
+    """Pressure at which a bulge, 0 without pressure, first reaches the depth of the folds, kPa; NaN if it does not.
+
+    Between the pressures the bulge is interpolated monotonically (PCHIP); the answer is between the two that enclose
+    it whatever the interpolation. On the reference actuators steps of 2.5 and of 5 kPa differ by 0.5 % at most.
+    """
+    if not pressures_kpa:
+        return math.nan
+    bulge = PchipInterpolator([0.0, *pressures_kpa], [0.0, *bulges_mm])
+    return min((float(p) for p in bulge.solve(fold_mm, extrapolate=False)), default=math.nan)
+
+
+def model_values(scene: Scene, pressure_kpa: float) -> dict[str, float]:
+    """What the closed form says of the measured quantities, as far as it says anything.
+
+    At a blocked tip its roots open as at a free one; with a force on the tip it does not know the wall's stretch.
+    """
+    dimensions, law = dimensions_of(scene), law_of(scene.material)
+    try:
+        free = closed_form(dimensions, law, pressure_kpa)
+        wall = held_tip(dimensions, law, pressure_kpa).wall_stretch if scene.blocked else free.wall_stretch
+    except BellowsError:
+        return {}
+    outer, inner = float(free.root_stretch[0]), float(free.root_inner_stretch[0])
+    found = {
+        "root_stretch_outer": outer,
+        "root_stretch_inner": inner,
+        "root_bulge_mm": (outer - 1.0) * (dimensions.root_radius_mm + dimensions.wall_mm),
+        "wall_hoop_stretch_middle": 1.0,
+        "ring_hoop_stretch": 1.0,
+        "unfolding_kpa": float(free.unfolding_pressure_kpa[0]),
+    }
+    if not scene.load.tip_force_n:
+        largest = max(inner, float(wall[0]))
+        found |= {"wall_stretch": float(wall[0]), "peak_stretch": largest, "peak_stretch_away": largest}
+    return found
+
+
+@dataclass(frozen=True)
+class _Entry:
+    """A run's value of a quantity."""
+
+    run: Run
+    value: float
+    status: str = "reached"
+    place: str = ""
+
+
+def measured_rows(scene: Scene, runs: Sequence[Run], folder: Path) -> list[Row]:
+    """Rows of what the states of a scene's axisymmetric runs were measured for, beside the closed form's values.
+
+    Parameters
+    ----------
+    runs
+        Coarsest first; their saved states are in ``folder / "axisymmetric-<level>"``.
+
+    Returns
+    -------
+    list of Row
+        For each asked pressure that any level reached; then ``unfolding_kpa`` without a pressure, NaN with its status
+        where the highest asked state is short of it. The uncertainty is that of the meshes; that of interpolating
+        ``unfolding_kpa`` between the asked pressures comes on top. Errors are against the finest level that has the
+        value. Of that level's own peaks, which are compared with nothing, ``source`` says where they are.
+    """
+    states = [_measured_run(scene, run, folder) for run in runs]
+    rows = []
+    for pressure in scene.load.pressure_kpa:
+        model = model_values(scene, pressure)
+        for quantity in UNITS:
+            found = [
+                _Entry(run, at[pressure].values[quantity], place=at[pressure].peak_in.get(quantity, ""))
+                for run, at in zip(runs, states, strict=True)
+                if pressure in at and quantity in at[pressure].values
+            ]
+            rows += _compared(scene.name, quantity, UNITS[quantity], pressure, found, model.get(quantity))
+    unfolding = [_unfolding(scene, run, at) for run, at in zip(runs, states, strict=True)]
+    model = model_values(scene, scene.load.pressure_kpa[0])
+    return rows + _compared(scene.name, "unfolding_kpa", "kPa", math.nan, unfolding, model.get("unfolding_kpa"))
+
+
+def _measured_run(scene: Scene, run: Run, folder: Path) -> dict[float, Measured]:
+    """What was measured in a run's states, by asked pressure, kPa."""
+    places = find_places(scene, int(run.summary.level.removeprefix("r")))
+    found = {}
+    for pressure in scene.load.pressure_kpa:
+        saved = load_state(folder / f"axisymmetric-{run.summary.level}", run.summary.content_hash, 1e-3 * pressure)
+        if saved is not None:
+            found[pressure] = measure(scene, places, saved[0])
+    return found
+
+
+def _unfolding(scene: Scene, run: Run, states: Mapping[float, Measured]) -> _Entry:
+    pressures = sorted(states)
+    fold = scene.geometry.crest_radius_mm - scene.geometry.root_radius_mm
+    value = unfolding_pressure(pressures, [states[p].values["root_bulge_mm"] for p in pressures], fold)
+    highest = pressures[-1] if pressures else 0.0
+    return _Entry(run, value, f"not reached up to {highest:g} kPa" if math.isnan(value) else "reached")
+
+
+def _compared(
+    scene: str, quantity: str, unit: str, pressure: float, found: Sequence[_Entry], model: float | None
+) -> list[Row]:
+    """Rows of a quantity at a pressure: the closed form's, if it has one, and those of the levels."""
+    reached = [entry for entry in found if not math.isnan(entry.value)]
+    finest = reached[-1] if reached else None
+    compared = (finest.value, f"axisymmetric {finest.run.summary.level}") if finest else (math.nan, "")
+    bound = run_convergence([e.run for e in found], [e.value for e in found], MERIDIAN_ORDER)
+    rows = []
+    if found and model is not None:
+        reference, source = compared
+        rows.append(row(scene, quantity, unit, pressure, "closed_form", model, reference=reference, source=source))
+    for entry in found:
+        reference, source = (math.nan, entry.place) if entry is finest else compared
+        rows.append(
+            row(scene, quantity, unit, pressure, "axisymmetric", entry.value, entry.run.summary.level,
+                bound.uncertainty(entry.value), reference, source, entry.status)
+        )  # fmt: skip
+    return rows

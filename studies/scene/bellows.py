@@ -1,0 +1,401 @@
+"""The scene: what an actuator is and what is asked of it, from a TOML file, checked before anything runs.
+
+Every key carries its unit. Errors are collected and each names the key, its value and what is allowed.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from analytical.bellows import BellowsDimensions
+from analytical.materials import (
+    PLA,
+    POLYETHYLENE,
+    Guccione,
+    Law,
+    MaterialError,
+    NeoHooke,
+    Ogden,
+    StiffSolid,
+    Yeoh,
+    check_stability,
+)
+from meshes.bellows import BellowsShape, check_shape
+from meshes.errors import GeometryError
+from meshes.ring import RingShape
+from studies.scene.sections import Length, Modulus, Section, Stiffness, read_toml, validated
+
+# Stretches up to this must be stable for a law to be accepted; the reference actuators stay below it to 20 kPa.
+STABLE_STRETCH = 4.0
+# The exponential law softens in uniaxial extension beyond a stretch of 2, where the Green strain across passes -1/4.
+GUCCIONE_STABLE_STRETCH = 1.99
+# A bond meant as rigid is a layer this stiff, MPa/mm: its slip is at most 0.003 mm at 20 kPa, and tips are within
+# 0.005 % of those with meshed PLA rings, which share their nodes with the wall (make study-paper; docs/decisions.md).
+RIGID_BOND_MPA_PER_MM = 3000.0
+# What rigid rings change of the tip at 20 kPa against meshed ones of a material, percent: the largest of the four
+# reference actuators (the same), and what of the scene's tolerance it may take.
+RING_ERROR_PERCENT = {"pla": 0.005, "polyethylene": 0.04}
+RING_SHARE = 0.1
+
+
+class Geometry(Section):
+    """The bellows, mm; radii are cavity-side, the wall is measured normal to itself."""
+
+    kind: Literal["bellows"]
+    profile: Literal["arcs"] = "arcs"
+    root_radius_mm: Length
+    crest_radius_mm: Length
+    wall_mm: Length
+    half_pitch_mm: Length
+    convolutions: Annotated[int, Field(ge=1, le=100)]
+    collar_mm: Length = 3.0
+    fillet_mm: Annotated[float, Field(ge=0.1, le=100.0)] = 0.5
+    tip: Literal["cap", "rigid"] = "cap"  # rigid: a plate bonded to the open end; cap_mm has no meaning then
+    cap_mm: Length = 5.0
+    eccentricity: Annotated[float, Field(ge=0.0, le=0.5)] = 0.0  # how far the core sat off the axis, of the wall
+
+
+class Rings(Section):
+    """Rings on the crests' seats and how they are bonded.
+
+    ``auto`` meshes them only where the scene's tolerance needs it. The bond is rigid, or a layer of ``adhesive`` with a
+    normal and a tangential stiffness, which fall to zero over ``bond_grading_mm`` at the seat's edges.
+    """
+
+    model: Literal["auto", "rigid", "meshed", "none"] = "auto"
+    material: Literal["pla", "polyethylene"] = "pla"
+    seat_mm: Length = 4.0
+    bond: Literal["rigid", "adhesive"] = "rigid"
+    bond_normal_mpa_per_mm: Stiffness = 5.0
+    bond_tangential_mpa_per_mm: Stiffness = 2.0
+    bond_grading_mm: Annotated[float, Field(ge=0.0, le=100.0)] = 1.0
+    height_mm: Length = 2.0
+    edge_radius_mm: Annotated[float, Field(ge=0.0, le=100.0)] = 0.5
+
+
+class Mesh(Section):
+    """Kind of cells: hexahedra (quadrilaterals on the meridian), or tetrahedra (triangles) as in the paper.
+
+    ``auto`` takes hexahedra unless the rings are meshed. ``tet-p0`` has one pressure per cell, like ANSYS's SOLID187
+    with constant pressure; ``tet-p1`` has linear displacements and no pressure, and locks: the control to compare with.
+
+    ``solver`` is for whole bodies in 3D: ``direct`` factorises; ``iterative`` needs less memory, takes longer and
+    counts no unstable modes; ``auto`` goes over to it where the memory does not hold the factors.
+    """
+
+    element: Literal["auto", "hex", "tet", "tet-p0", "tet-p1"] = "auto"
+    solver: Literal["auto", "direct", "iterative"] = "auto"
+
+
+class YeohMaterial(Section):
+    """W = sum C_i (I1 - 3)^i; initial shear modulus 2 C1."""
+
+    law: Literal["yeoh"]
+    c_kpa: Annotated[list[float], Field(min_length=1, max_length=3)]
+    kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
+
+
+class OgdenMaterial(Section):
+    """One Ogden term; the convention says what mu is (initial shear modulus mu, or mu alpha / 2)."""
+
+    law: Literal["ogden"]
+    mu_kpa: Modulus
+    alpha: Annotated[float, Field(ge=-20.0, le=20.0)]
+    convention: Literal["2mu/alpha^2", "mu/alpha"]
+    kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
+
+
+class NeoHookeMaterial(Section):
+    """W = mu/2 (I1 - 3); initial shear modulus mu."""
+
+    law: Literal["neo-hooke"]
+    mu_kpa: Modulus
+    kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
+
+
+class GuccioneMaterial(Section):
+    """W = C/2 (exp(b E:E) - 1), isotropic; initial shear modulus b C / 2."""
+
+    law: Literal["guccione"]
+    c_kpa: Modulus
+    b: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0
+    kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
+
+
+AnyMaterial = YeohMaterial | OgdenMaterial | NeoHookeMaterial | GuccioneMaterial
+
+
+class Load(Section):
+    """Cavity pressures at which results are asked, kPa, what the steps between are taken in, and the tip.
+
+    Pressures go away from zero: all positive and ascending, or all negative and descending, a vacuum.
+
+
+    A blocked tip is held axially: the whole rim of a cap's distal face, which may slide and widen as on a wall without
+    friction, or a rigid plate with all its motions. ``tip_force_n`` is a dead axial force on a free rigid plate,
+    positive pulls it outwards.
+    """
+
+    pressure_kpa: Annotated[list[Annotated[float, Field(allow_inf_nan=False)]], Field(min_length=1)]
+    control: Literal["auto", "pressure", "volume", "arc"] = "auto"
+    tip: Literal["free", "blocked"] = "free"
+    tip_force_n: Annotated[float, Field(allow_inf_nan=False)] = 0.0
+
+    @model_validator(mode="after")
+    def _away_from_zero(self) -> Load:
+        loads = [self.sense * p for p in self.pressure_kpa]
+        if loads[0] <= 0.0 or any(b <= a for a, b in zip(loads[:-1], loads[1:], strict=True)):
+            raise ValueError(
+                f"load.pressure_kpa = {self.pressure_kpa}: must ascend strictly from above 0, or descend from below 0"
+            )
+        return self
+
+    @property
+    def sense(self) -> float:
+        """+1 for pressures, -1 for a vacuum."""
+        return -1.0 if self.pressure_kpa[0] < 0.0 else 1.0
+
+
+class Contact(Section):
+    """Contact of folds, rings and wall, in axisymmetric runs with rigid rings or none; ``auto``: from first touch."""
+
+    model: Literal["auto", "off"] = "auto"
+
+
+class Ask(Section):
+    """What is wanted, how exactly, whether fields are to be written, and unstable modes counted by harmonic."""
+
+    quantities: list[Literal["tip_mm", "tip_force_n"]] = ["tip_mm"]
+    tolerance_percent: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0
+    fields: bool = False
+    modes: bool = True
+
+
+class Scene(Section):
+    """A whole scene."""
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$")]
+    geometry: Geometry
+    rings: Rings = Rings()
+    mesh: Mesh = Mesh()
+    material: Annotated[YeohMaterial | OgdenMaterial | NeoHookeMaterial, Field(discriminator="law")]
+    load: Load
+    contact: Contact = Contact()
+    ask: Ask = Ask()
+
+    @model_validator(mode="after")
+    def _settle_rings(self) -> Scene:
+        """``auto`` rings become rigid or meshed here, so that nothing after has to ask."""
+        if self.rings.model != "auto":
+            return self
+        allowed = RING_SHARE * self.ask.tolerance_percent
+        model = "rigid" if RING_ERROR_PERCENT[self.rings.material] <= allowed else "meshed"
+        return self.model_copy(update={"rings": self.rings.model_copy(update={"model": model})})
+
+    @property
+    def pressures_mpa(self) -> tuple[float, ...]:
+        """Asked loads, MPa: pressures, or how far below the outside's where they are negative."""
+        return tuple(1e-3 * abs(p) for p in self.load.pressure_kpa)
+
+    @property
+    def title(self) -> str:
+        """One line for headings."""
+        g = self.geometry
+        end = f", core off the axis by {100.0 * g.eccentricity:g} % of t" if g.eccentricity else ""
+        end += ", blocked tip" if self.blocked else ""
+        end += f", {self.load.tip_force_n:g} N on the tip" if self.load.tip_force_n else ""
+        return f"t = {g.wall_mm:g} mm, R_i = {g.root_radius_mm:g} mm, {describe_material(self.material)}{end}"
+
+    @property
+    def blocked(self) -> bool:
+        """True if the tip is held."""
+        return self.load.tip == "blocked"
+
+
+def without_eccentricity(scene: Scene) -> Scene:
+    """The same scene moulded round a centred core, which is rotationally symmetric."""
+    if scene.geometry.eccentricity == 0.0:
+        return scene
+    return scene.model_copy(update={"geometry": scene.geometry.model_copy(update={"eccentricity": 0.0})})
+
+
+def core_shift_mm(scene: Scene) -> float:
+    """How far the core sat off the axis, mm."""
+    return scene.geometry.eccentricity * scene.geometry.wall_mm
+
+
+def describe_material(material: AnyMaterial) -> str:
+    """The law, its numbers and the initial shear modulus."""
+    mu = f"initial shear modulus {1e3 * law_of(material).initial_shear_modulus_mpa:.4g} kPa"
+    if isinstance(material, YeohMaterial):
+        return f"Yeoh C = {', '.join(f'{c:g}' for c in material.c_kpa)} kPa ({mu})"
+    if isinstance(material, OgdenMaterial):
+        return f"Ogden mu = {material.mu_kpa:g} kPa, alpha = {material.alpha:g}, {material.convention} ({mu})"
+    if isinstance(material, GuccioneMaterial):
+        return f"Guccione C = {material.c_kpa:g} kPa, b = {material.b:g} ({mu})"
+    return f"neo-Hooke ({mu})"
+
+
+def law_of(material: AnyMaterial) -> Law:
+    """The material law in MPa."""
+    if isinstance(material, YeohMaterial):
+        return Yeoh(tuple(1e-3 * c for c in material.c_kpa))
+    if isinstance(material, OgdenMaterial):
+        return Ogden(1e-3 * material.mu_kpa, material.alpha, material.convention)
+    if isinstance(material, GuccioneMaterial):
+        return Guccione(1e-3 * material.c_kpa, material.b)
+    return NeoHooke(1e-3 * material.mu_kpa)
+
+
+def inverse_kappa(material: AnyMaterial) -> float:
+    """1/kappa in 1/MPa; 0 when incompressible."""
+    return 1.0 / (material.kappa_over_mu * law_of(material).initial_shear_modulus_mpa)
+
+
+def shape_of(scene: Scene) -> BellowsShape:
+    """The outline's dimensions; without rings there are no seats."""
+    g = scene.geometry
+    return BellowsShape(
+        root_radius_mm=g.root_radius_mm,
+        crest_radius_mm=g.crest_radius_mm,
+        wall_mm=g.wall_mm,
+        half_pitch_mm=g.half_pitch_mm,
+        convolutions=g.convolutions,
+        collar_mm=g.collar_mm,
+        seat_mm=0.0 if scene.rings.model == "none" else scene.rings.seat_mm,
+        fillet_mm=g.fillet_mm,
+        cap_mm=g.cap_mm if g.tip == "cap" else 0.0,
+    )
+
+
+def dimensions_of(scene: Scene) -> BellowsDimensions:
+    """The dimensions of the closed form."""
+    g = scene.geometry
+    return BellowsDimensions(g.root_radius_mm, g.crest_radius_mm, g.wall_mm, g.half_pitch_mm, g.convolutions)
+
+
+def in_hexahedra(scene: Scene) -> bool:
+    """True for quadrilaterals and hexahedra, False for triangles and tetrahedra."""
+    return scene.mesh.element == "hex" or (scene.mesh.element == "auto" and scene.rings.model != "meshed")
+
+
+def ring_material(scene: Scene) -> StiffSolid:
+    """The rings' material."""
+    return PLA if scene.rings.material == "pla" else POLYETHYLENE
+
+
+def ring_shape(scene: Scene) -> RingShape:
+    """The rings' section."""
+    return RingShape(scene.rings.height_mm, scene.rings.edge_radius_mm)
+
+
+def bond_grade(scene: Scene, axial_mm: np.ndarray) -> np.ndarray:
+    """Stiffness of the bond relative to its middle, at axial positions: smooth to zero at the seat's edges."""
+    rings = scene.rings
+    if rings.bond == "rigid" or rings.bond_grading_mm == 0.0:
+        return np.ones_like(axial_mm)
+    grade = np.zeros_like(axial_mm)
+    for centre in shape_of(scene).crest_positions_mm:
+        inside = (0.5 * rings.seat_mm - np.abs(axial_mm - centre)) / rings.bond_grading_mm
+        s = np.clip(inside, 0.0, 1.0)
+        grade = np.maximum(grade, s * s * (3.0 - 2.0 * s))
+    return grade
+
+
+def bond_stiffness(scene: Scene) -> tuple[float, float]:
+    """Normal and tangential stiffness of the bond, MPa/mm."""
+    if scene.rings.bond == "rigid":
+        return RIGID_BOND_MPA_PER_MM, RIGID_BOND_MPA_PER_MM
+    return scene.rings.bond_normal_mpa_per_mm, scene.rings.bond_tangential_mpa_per_mm
+
+
+def load_scene(path: Path) -> Scene:
+    """Read and check a scene.
+
+    Raises
+    ------
+    SceneError
+        With one line per fault; nothing has been meshed, solved or written.
+    """
+    return validated(Scene, read_toml(path), path, _faults)
+
+
+def _faults(scene: Scene) -> list[str]:
+    """What the types cannot see: geometry, material stability, units."""
+    faults = []
+    try:
+        check_shape(shape_of(scene))
+    except GeometryError as error:
+        faults.append(f"geometry: {error}")
+    rings = scene.rings
+    if rings.model == "meshed" and rings.edge_radius_mm >= min(rings.height_mm, 0.5 * rings.seat_mm):
+        faults.append(
+            f"rings.edge_radius_mm = {rings.edge_radius_mm:g}: must be less than height_mm = {rings.height_mm:g} "
+            f"and half of seat_mm = {rings.seat_mm:g}"
+        )
+    if rings.model == "meshed" and scene.mesh.element == "hex":
+        faults.append('mesh.element = "hex": meshed rings need "tet" (or "auto"), or rings.model = "rigid"')
+    faults += element_faults(scene.mesh, scene.material.kappa_over_mu)
+    if rings.bond == "adhesive" and rings.bond_grading_mm > 0.5 * rings.seat_mm:
+        faults.append(
+            f"rings.bond_grading_mm = {rings.bond_grading_mm:g}: must be at most half of seat_mm = {rings.seat_mm:g}"
+        )
+    faults += _tip_faults(scene)
+    faults += _core_faults(scene)
+    return faults + material_faults(scene.material, abs(scene.load.pressure_kpa[-1]), "load.pressure_kpa")
+
+
+def element_faults(mesh: Mesh, kappa_over_mu: float) -> list[str]:
+    """What is wrong with an element for a material or with a solver for an element."""
+    if mesh.solver == "iterative" and mesh.element == "tet-p1":
+        return ['mesh.solver = "iterative" with mesh.element = "tet-p1": it is made for quadratic elements']
+    if mesh.element != "tet-p1" or math.isfinite(kappa_over_mu):
+        return []
+    return [
+        'mesh.element = "tet-p1" with material.kappa_over_mu = inf: without pressure unknowns the material must be '
+        "compressible: set kappa_over_mu, for instance to 1000, or take another element"
+    ]
+
+
+def _tip_faults(scene: Scene) -> list[str]:
+    faults = []
+    given = f"load.tip_force_n = {scene.load.tip_force_n:g}"
+    if scene.load.tip_force_n and scene.blocked:
+        faults.append(f'{given}: a blocked tip takes no force: it must be 0, or load.tip = "free"')
+    if scene.load.tip_force_n and scene.geometry.tip != "rigid":
+        faults.append(f'{given}: a force acts on a rigid plate: set geometry.tip = "rigid"')
+    if "tip_force_n" in scene.ask.quantities and not scene.blocked:
+        faults.append('ask.quantities: "tip_force_n" of a free tip is what is given: set load.tip = "blocked"')
+    return faults
+
+
+def _core_faults(scene: Scene) -> list[str]:
+    given = f"geometry.eccentricity = {scene.geometry.eccentricity:g}"
+    faults = []
+    if scene.geometry.eccentricity and scene.geometry.tip == "rigid":
+        faults.append(f'{given}: a plate closes a round opening about the axis: set geometry.tip = "cap"')
+    if scene.geometry.eccentricity and scene.rings.model == "meshed":
+        faults.append(f'{given}: with meshed rings not modelled: set rings.model = "rigid"')
+    return faults
+
+
+def material_faults(material: AnyMaterial, highest_kpa: float, key: str) -> list[str]:
+    """What is wrong with a law, or with a highest load beside it that suggests another unit."""
+    faults = []
+    try:
+        law = law_of(material)
+        check_stability(law, GUCCIONE_STABLE_STRETCH if isinstance(law, Guccione) else STABLE_STRETCH)
+        modulus = 1e3 * law.initial_shear_modulus_mpa
+        if highest_kpa > 10.0 * modulus:
+            faults.append(
+                f"{key} reaches {highest_kpa:g}: more than 10 times the initial shear modulus, "
+                f"{modulus:g} kPa; check the units (kPa)"
+            )
+    except MaterialError as error:
+        faults.append(f"material: {error}")
+    return faults

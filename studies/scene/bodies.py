@@ -1,0 +1,296 @@
+"""Scenes of simple bodies with exact answers, and of a user's mesh: the same files, told apart by geometry.kind.
+
+============  =================================================  ==========================================
+kind          load                                               what is known exactly
+============  =================================================  ==========================================
+tube          cavity pressure                                    the bore (ends plane-strain or capped)
+sphere        cavity pressure                                    the bore, and the limit point if there is one
+ring          pressure from outside, follower or dead            the bore while round, and where it buckles
+block         the same dead tension on all faces                 the tension at which the cube gives way
+cylinder      twist of one end at constant length                torque and axial force
+cook          dead shear traction on the right edge              published or refined: the corner's displacement
+ventricle     cavity pressure                                    published: position of the apex
+mesh          cavity pressure                                    nothing
+============  =================================================  ==========================================
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import Field, model_validator
+
+from meshes.errors import MeshError
+from meshes.solid import FACETS
+from meshes.user_mesh import read_user_mesh
+from studies.scene.bellows import (
+    GuccioneMaterial,
+    Mesh,
+    NeoHookeMaterial,
+    OgdenMaterial,
+    Scene,
+    YeohMaterial,
+    describe_material,
+    element_faults,
+    load_scene,
+    material_faults,
+)
+from studies.scene.body_geometry import (
+    BlockGeometry,
+    CookGeometry,
+    CylinderGeometry,
+    Geometry,
+    MeshGeometry,
+    RingGeometry,
+    SphereGeometry,
+    TubeGeometry,
+    VentricleGeometry,
+)
+from studies.scene.sections import SceneError, Section, read_toml, validated
+
+Load_kPa = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+Quantity = Literal[
+    "bore_mm",
+    "limit_kpa",
+    "crossing_kpa",
+    "volume_mm3",
+    "displacement_max_mm",
+    "tip_mm",
+    "torque_nmm",
+    "axial_force_n",
+    "corner_mm",
+    "apex_inside_mm",
+    "apex_outside_mm",
+]
+
+
+LOAD_LISTS = ("pressure_kpa", "tension_kpa", "traction_kpa")
+
+
+class ExactLoad(Section):
+    """Load at which results are asked, kPa, ascending.
+
+    ``kind``: ``cavity``, a pressure from inside; ``external``, one from outside, both following the surface; ``dead``,
+    fixed in size per undeformed area and in direction: a pressure from outside on a ring, a tension on a block, a shear
+    traction on Cook's membrane. A cylinder is twisted by so much per undeformed length, without pressure.
+    """
+
+    kind: Literal["cavity", "external", "dead"] | None = None
+    pressure_kpa: Annotated[list[Load_kPa], Field(min_length=1)] | None = None
+    tension_kpa: Annotated[list[Load_kPa], Field(min_length=1)] | None = None
+    traction_kpa: Annotated[list[Load_kPa], Field(min_length=1)] | None = None
+    twist_rad_per_mm: Annotated[float, Field(ge=-1.0, le=1.0)] | None = None
+    control: Literal["auto", "pressure", "volume", "arc"] = "auto"
+
+    @model_validator(mode="after")
+    def _ascending(self) -> ExactLoad:
+        for name in LOAD_LISTS:
+            values = getattr(self, name) or []
+            if any(b <= a for a, b in zip(values[:-1], values[1:], strict=True)):
+                raise ValueError(f"load.{name} = {values}: must ascend strictly")
+        return self
+
+
+class ExactAsk(Section):
+    """What is wanted, how exactly, and whether fields are to be written."""
+
+    quantities: Annotated[list[Quantity], Field(min_length=1)] | None = None
+    tolerance_percent: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0
+    fields: bool = False
+
+
+KINDS = tuple(get_args(g.model_fields["kind"].annotation)[0] for g in get_args(Geometry))
+# What may be asked of a kind, the first unless something else is asked; and how it may be loaded, the first if unsaid.
+QUANTITIES: dict[str, tuple[Quantity, ...]] = {
+    "tube": ("bore_mm", "limit_kpa"),
+    "sphere": ("bore_mm", "limit_kpa"),
+    "ring": ("crossing_kpa", "bore_mm"),
+    "block": ("crossing_kpa",),
+    "cylinder": ("torque_nmm", "axial_force_n"),
+    "cook": ("corner_mm",),
+    "ventricle": ("apex_inside_mm", "apex_outside_mm"),
+    "mesh": ("volume_mm3", "displacement_max_mm", "tip_mm"),
+}
+LOADS = {
+    "tube": ("cavity",),
+    "sphere": ("cavity",),
+    "ring": ("external", "dead"),
+    "block": ("dead",),
+    "cylinder": (),
+    "cook": ("dead",),
+    "ventricle": ("cavity",),
+    "mesh": ("cavity",),
+}
+
+
+class ExactScene(Section):
+    """A whole scene."""
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$")]
+    geometry: Annotated[Geometry, Field(discriminator="kind")]
+    mesh: Mesh = Mesh()
+    material: Annotated[YeohMaterial | OgdenMaterial | NeoHookeMaterial | GuccioneMaterial, Field(discriminator="law")]
+    load: ExactLoad
+    ask: ExactAsk = ExactAsk()
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """What is asked."""
+        usual = QUANTITIES[self.geometry.kind]
+        return tuple(self.ask.quantities or (usual if self.geometry.kind in ("cylinder", "ventricle") else usual[:1]))
+
+    @property
+    def load_kind(self) -> str:
+        """How it is loaded."""
+        return self.load.kind or next(iter(LOADS[self.geometry.kind]), "twist")
+
+    @property
+    def loads_kpa(self) -> tuple[float, ...]:
+        """Asked pressures, tensions or tractions, kPa; 0 where a twist takes their place."""
+        if self.geometry.kind == "cylinder":
+            return (0.0,)
+        return tuple(self.load.pressure_kpa or self.load.tension_kpa or self.load.traction_kpa or ())
+
+    @property
+    def title(self) -> str:
+        """One line for headings."""
+        return f"{_body(self)}, {describe_material(self.material)}"
+
+
+AnyScene = Scene | ExactScene
+
+
+def load_any_scene(path: Path) -> AnyScene:
+    """Read and check a scene of any kind.
+
+    Raises
+    ------
+    SceneError
+        With one line per fault; nothing has been solved or written.
+    """
+    data = read_toml(path)
+    kind = _kind(data)
+    if kind == "bellows" or kind is None:  # a missing kind is told as the missing key it is
+        return load_scene(path)
+    if kind not in KINDS:
+        allowed = ", ".join(repr(name) for name in ("bellows", *KINDS))
+        raise SceneError(f"{path}: geometry.kind = {kind!r}: allowed: {allowed}")
+    return validated(ExactScene, _with_place(data, path), path, _faults)
+
+
+def is_exact(path: Path) -> bool:
+    """True if a scene file is of one of the kinds of this module."""
+    return _kind(read_toml(path)) in KINDS
+
+
+def _kind(data: dict[str, Any]) -> Any:
+    geometry = data.get("geometry")
+    return geometry.get("kind") if isinstance(geometry, dict) else None
+
+
+def _with_place(data: dict[str, Any], path: Path) -> dict[str, Any]:
+    """The contents with the file of a user's mesh found from where the scene is."""
+    geometry = data["geometry"]
+    if not isinstance(geometry.get("file"), str):
+        return data
+    return {**data, "geometry": {**geometry, "file": str(path.resolve().parent / geometry["file"])}}
+
+
+def _body(scene: ExactScene) -> str:
+    g = scene.geometry
+    if isinstance(g, BlockGeometry):
+        return f"cube of {g.edge_mm:g} mm under dead tension"
+    if isinstance(g, MeshGeometry):
+        return f"mesh {Path(g.file).name}"
+    if isinstance(g, CylinderGeometry):
+        return f"cylinder of radius {g.radius_mm:g} mm twisted by {scene.load.twist_rad_per_mm:g} rad/mm"
+    if isinstance(g, CookGeometry):
+        return "Cook's membrane in plane strain"
+    if isinstance(g, VentricleGeometry):
+        inner, outer = (g.inner_across_mm, g.inner_along_mm), (g.outer_across_mm, g.outer_along_mm)
+        return f"ventricle, semi-axes {inner[0]:g}, {inner[1]:g} / {outer[0]:g}, {outer[1]:g} mm"
+    radii = f"{g.inner_radius_mm:g} / {g.outer_radius_mm:g} mm"
+    if isinstance(g, TubeGeometry):
+        return f"tube {radii}, {g.length_mm:g} mm long, {g.ends} ends"
+    if isinstance(g, SphereGeometry):
+        return f"sphere {radii}"
+    how = "follower" if scene.load_kind == "external" else "dead"
+    return f"ring {radii} under {how} pressure from outside, {g.waves} waves"
+
+
+def _faults(scene: ExactScene) -> list[str]:
+    """What the types cannot see."""
+    g, load, faults = scene.geometry, scene.load, []
+    if isinstance(g, TubeGeometry | SphereGeometry | RingGeometry) and g.inner_radius_mm >= g.outer_radius_mm:
+        faults.append(
+            f"geometry.inner_radius_mm = {g.inner_radius_mm:g}: must be less than outer_radius_mm = "
+            f"{g.outer_radius_mm:g}"
+        )
+    if load.kind is not None and load.kind not in LOADS[g.kind]:
+        faults.append(f"load.kind = {load.kind!r}: allowed for a {g.kind}: {_listed(LOADS[g.kind])}")
+    if g.kind == "ring" and load.kind is None:
+        faults.append(f"load.kind: missing; allowed for a ring: {_listed(LOADS['ring'])}")
+    if isinstance(g, VentricleGeometry):
+        faults += _ventricle_faults(g)
+    right = {"block": "tension_kpa", "cook": "traction_kpa", "cylinder": "twist_rad_per_mm"}.get(g.kind, "pressure_kpa")
+    for wrong in (*LOAD_LISTS, "twist_rad_per_mm"):
+        if wrong != right and getattr(load, wrong) is not None:
+            faults.append(f"load.{wrong} = {getattr(load, wrong)}: a {g.kind} is loaded by load.{right}")
+    if getattr(load, right) is None:
+        faults.append(f"load.{right}: missing, and has no default")
+    for quantity in scene.quantities:
+        if quantity not in QUANTITIES[g.kind]:
+            faults.append(f"ask.quantities = {quantity!r}: allowed for a {g.kind}: {_listed(QUANTITIES[g.kind])}")
+    if g.kind in ("ring", "block", "cook") and scene.mesh.element.startswith("tet"):
+        faults.append(f'mesh.element = "{scene.mesh.element}": a {g.kind} is meshed in hexahedra: "hex" or "auto"')
+    if g.kind == "mesh" and scene.mesh.element != "auto":
+        faults.append(f'mesh.element = "{scene.mesh.element}": a user\'s mesh has the cells it has: "auto"')
+    if scene.mesh.solver == "iterative":
+        faults.append(f'mesh.solver = "iterative": a {g.kind} is small and factorised: "direct" or "auto"')
+    faults += element_faults(scene.mesh, scene.material.kappa_over_mu)
+    if isinstance(g, MeshGeometry):
+        try:
+            mesh = read_user_mesh(Path(g.file), g.scale)
+            if "tip_mm" in scene.quantities and not has_surface(mesh.facet_tags, "tip"):
+                faults.append("ask.quantities = 'tip_mm': no surface of the mesh is named 'tip'")
+            faults += _free_motions(mesh.facet_tags, mesh.dimension)
+        except MeshError as error:
+            faults.append(f"geometry.file: {error}")
+    highest = scene.loads_kpa[-1] if scene.loads_kpa else 0.0
+    return faults + material_faults(scene.material, highest, f"load.{right}")
+
+
+def _ventricle_faults(g: VentricleGeometry) -> list[str]:
+    faults = []
+    for which in ("across", "along"):
+        inner, outer = getattr(g, f"inner_{which}_mm"), getattr(g, f"outer_{which}_mm")
+        if inner >= outer:
+            faults.append(f"geometry.inner_{which}_mm = {inner:g}: must be less than outer_{which}_mm = {outer:g}")
+    if g.base_mm >= g.inner_along_mm:
+        faults.append(f"geometry.base_mm = {g.base_mm:g}: must be less than inner_along_mm = {g.inner_along_mm:g}")
+    return faults
+
+
+def has_surface(tags: Any, name: str) -> bool:
+    """True if a mesh's facets have a name."""
+    return bool((tags == FACETS[name]).any())
+
+
+def _free_motions(tags: Any, dimension: int) -> list[str]:
+    """Directions in which nothing holds a user's mesh."""
+    if has_surface(tags, "clamped"):
+        return []
+    along: dict[str, tuple[str, ...]] = {"z": ("symmetry_z", "bottom", "top")}
+    if dimension == 3:
+        along = {"x": ("symmetry_x",), "y": ("symmetry_y",), **along}
+    free = [axis for axis, names in along.items() if not any(has_surface(tags, name) for name in names)]
+    if not free:
+        return []
+    needed = "; ".join(f"along {axis}: {' or '.join(along[axis])}" for axis in free)
+    return [f"geometry.file: nothing holds the body: name a surface 'clamped', or planes that keep it ({needed})"]
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(repr(name) for name in names)

@@ -1,0 +1,1 @@
+"""The stress test: cells along the axes on which solvers break."""

@@ -1,0 +1,1 @@
+"""The same rows on every stack, and what each costs."""

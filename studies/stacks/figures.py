@@ -1,0 +1,132 @@
+"""What this stack gives and costs: ``python -m studies.stacks.figures --out results/stacks/NAME``.
+
+Runs the study in miniature, the exact scenes and the core of the paper study, all with compiled forms of their own; the
+first and the last twice, without and with their forms compiled. Leaves rows.csv, every row of the three, and
+figures.json.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import click
+
+from studies import launch
+from studies.results import provenance
+from studies.results.files import read_summary, write_text_atomically
+from studies.results.rows import Row, read_rows, write_rows
+
+RANKS = 2
+INERTIA = provenance.ROOT / "tests" / "studies" / "inertia_script.py"
+
+
+@dataclass(frozen=True)
+class Figures:
+    """A stack's costs and counts.
+
+    Attributes
+    ----------
+    versions
+        Of the stack.
+    blas
+        Of one process.
+    smoke_cold_s, smoke_warm_s
+        Wall time of the study in miniature on two ranks, without and with its forms compiled, s.
+    cold_s, warm_s
+        The same of the paper study's core.
+    peak_mb
+        Largest peak memory of its runs, all ranks together, MB.
+    modes
+        Unstable modes of a body of 90,000 unknowns at rest and under pressures that nothing balances, by ranks.
+    """
+
+    versions: dict[str, str]
+    blas: str
+    smoke_cold_s: float
+    smoke_warm_s: float
+    cold_s: float
+    warm_s: float
+    peak_mb: float
+    modes: dict[str, list[int]]
+
+
+def measure(out: Path) -> Figures:
+    """Run everything into a folder, which is emptied; see this module's heading."""
+    shutil.rmtree(out, ignore_errors=True)
+    out.mkdir(parents=True)
+    rows: list[Row] = []
+    smoke = _cold_and_warm(out, "smoke", out / "smoke")
+    _run(out, "exact", out / "exact")
+    core = _cold_and_warm(out, "paper", out / "paper", "--core")
+    for study in ("smoke", "exact", "paper"):
+        rows += read_rows(out / study / "rows.csv")
+    write_rows(out / "rows.csv", rows)
+    summaries = [read_summary(file.parent) for file in (out / "paper").rglob("summary.json")]
+    gmsh = [sys.executable, "-c", "import gmsh; print(gmsh.__version__)"]
+    version = subprocess.run(gmsh, stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
+    figures = Figures(
+        {**provenance.versions(), "gmsh": version},
+        provenance.blas(),
+        *smoke,
+        *core,
+        max(summary.peak_mb for summary in summaries),
+        {str(ranks): _modes(out, ranks) for ranks in (1, RANKS)},
+    )
+    write_text_atomically(out / "figures.json", json.dumps(asdict(figures), indent=1))
+    return figures
+
+
+def read_figures(folder: Path) -> Figures:
+    """Figures that `measure` left in a folder."""
+    return Figures(**json.loads((folder / "figures.json").read_text(encoding="utf-8")))
+
+
+def _environment(out: Path) -> dict[str, str]:
+    """With a folder of compiled forms that starts empty."""
+    return {**launch.environment(), "XDG_CACHE_HOME": str((out / "cache").absolute())}
+
+
+def _cold_and_warm(out: Path, name: str, target: Path, *options: str) -> tuple[float, float]:
+    """Wall times of a study without and with its forms compiled, s; the second run is kept."""
+    shutil.rmtree(out / "cache", ignore_errors=True)
+    cold_s = _run(out, name, target, *options)
+    shutil.rmtree(target)
+    return cold_s, _run(out, name, target, *options)
+
+
+def _run(out: Path, *arguments: str | Path) -> float:
+    """Run a study on two ranks into a folder; wall time, s."""
+    name, target, *options = map(str, arguments)
+    command = launch.on_ranks(RANKS, "-m", "studies", name, "--out", target, *options)
+    begin = time.perf_counter()
+    done = subprocess.run(command, cwd=os.getcwd(), env=_environment(out), stdout=subprocess.DEVNULL, check=False)
+    wall_s = time.perf_counter() - begin
+    if done.returncode:
+        sys.exit(f"{name} ended with {done.returncode}: {' '.join(command)}")
+    click.echo(f"{name}: {wall_s:.0f} s")
+    return wall_s
+
+
+def _modes(out: Path, ranks: int) -> list[int]:
+    command = launch.on_ranks(ranks, str(INERTIA))
+    done = subprocess.run(command, env=_environment(out), stdout=subprocess.PIPE, text=True, check=True)
+    return list(json.loads(done.stdout.splitlines()[-1])["modes"])
+
+
+@click.command()
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder for the results; emptied.")
+def main(out: Path) -> None:
+    """Measure this stack: smoke, exact and core studies, cold and warm."""
+    found = measure(out)
+    click.echo(f"core cold {found.cold_s:.0f} s, warm {found.warm_s:.0f} s, peak {found.peak_mb:.0f} MB: {out}")
+
+
+if __name__ == "__main__":
+    main()

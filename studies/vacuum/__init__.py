@@ -1,0 +1,1 @@
+"""What bellows contract to under vacuum."""

@@ -1,0 +1,111 @@
+"""Pictures of the vacuum study: contraction over vacuum, and contracted meridians."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
+
+from meshes.gaps import outlines
+from meshes.solid import FloatArray, SolidMesh
+from studies.models.build import scene_meridian
+from studies.models.run_log import Run
+from studies.planning.levels import fineness
+from studies.report.plots import BESIDE, BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION, figure_file
+from studies.results.states import load_state
+from studies.scene.bellows import Scene, shape_of
+
+_COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, BLACK)
+_MARKERS = ("o", "s", "^", "v", "D", "P")
+# Shapes in a picture: the unloaded one and so many of the asked ones, first and last among them.
+_SHAPES = 3
+
+
+def draw_contractions(path: Path, curves: Mapping[str, FloatArray]) -> None:
+    """Draw shortening in mm over vacuum in kPa.
+
+    Parameters
+    ----------
+    path
+        The PNG to write.
+    curves
+        By name: pressure, kPa, and tip, mm, of each state, shape (n, 2).
+    """
+    with figure_file(path, 8.2, 4.4) as figure:
+        axes = figure.add_subplot()
+        for place, (name, curve) in enumerate(curves.items()):
+            axes.plot(-curve[:, 0], -curve[:, 1], color=_COLOURS[place % 6], marker=_MARKERS[place % 6], markersize=3.5,
+                      linewidth=1.3, label=name)  # fmt: skip
+        axes.set_xscale("symlog", linthresh=0.1)
+        axes.set_xlim(left=0.0)
+        axes.set_ylim(bottom=0.0)
+        axes.set_xlabel("vacuum in the cavity, kPa (linear to 0.1, then logarithmic)")
+        axes.set_ylabel("shortening at the tip, mm")
+        axes.grid(color="#e4e4e4", zorder=0)
+        axes.legend(**BESIDE)
+
+
+def draw_shapes(path: Path, scene: Scene, run: Run, folder: Path) -> None:
+    """Draw the meridian unloaded and in asked states of a run, below each other to one scale.
+
+    Parameters
+    ----------
+    path
+        The PNG to write.
+    scene, run, folder
+        The bellows, its axisymmetric run, and where its states are kept.
+    """
+    mesh, shape = scene_meridian(scene, fineness(run.summary.level)), shape_of(scene)
+    shown: list[tuple[str, FloatArray, FloatArray]] = [
+        ("unloaded", mesh.points, np.zeros(len(shape.crest_positions_mm)))
+    ]
+    asked = [p for p in scene.load.pressure_kpa if load_state(folder, run.summary.content_hash, 1e-3 * p) is not None]
+    for pressure in (
+        [asked[k] for k in sorted({round(k) for k in np.linspace(0, len(asked) - 1, _SHAPES)})] if asked else []
+    ):
+        saved = load_state(folder, run.summary.content_hash, 1e-3 * pressure)
+        assert saved is not None
+        shifts = saved[0].bodies_mm[:, 0] if len(saved[0].bodies_mm) else np.zeros(len(shape.crest_positions_mm))
+        shown.append((f"{pressure:g} kPa", mesh.points + saved[0].displacement_mm, shifts))
+    length = float(mesh.points[:, 1].max())
+    radius = shape.seat_radius_mm + scene.rings.height_mm
+    columns = 1 if length > 4.0 * radius else 2  # short bodies side by side
+    lines = -(-len(shown) // columns)
+    height_in = (8.2 / columns * radius / length * 0.95 + 0.25) * lines + 0.6
+    with figure_file(path, 8.2, height_in) as figure:
+        grid = figure.subplots(lines, columns, sharex=True, sharey=True, squeeze=False)
+        for axes, (label, points, shifts) in zip(grid.ravel(), shown, strict=False):
+            _draw_shape(axes, mesh, points)
+            if scene.rings.model == "rigid":
+                for centre in shape.crest_positions_mm + shifts[: len(shape.crest_positions_mm)]:
+                    corner = (float(centre) - 0.5 * scene.rings.seat_mm, shape.seat_radius_mm)
+                    axes.add_patch(
+                        Rectangle(
+                            corner,
+                            scene.rings.seat_mm,
+                            scene.rings.height_mm,
+                            facecolor="#d8d8d8",
+                            edgecolor="#303030",
+                            linewidth=0.8,
+                        )
+                    )
+            axes.set_title(label, loc="left", fontsize=9)
+            axes.set_aspect("equal")
+            axes.set_xlim(-1.0, length + 1.0)
+            axes.set_ylim(0.0, radius + 0.5)
+        for axes in grid[:, 0]:
+            axes.set_ylabel("r, mm")
+        for axes in grid[-1]:
+            axes.set_xlabel("z, mm")
+
+
+def _draw_shape(axes: Axes, mesh: SolidMesh, points: FloatArray) -> None:
+    """The solid between its two surfaces, all cells filled, their outlines drawn."""
+    corners = {3: [0, 1, 2], 4: [0, 1, 3, 2]}[mesh.cell.corners]
+    for cell in points[mesh.cells[:, corners]]:
+        axes.fill(cell[:, 1], cell[:, 0], facecolor="#f2c9a1", edgecolor="none", zorder=1.0)
+    for outline in outlines(mesh):
+        axes.plot(points[outline.nodes, 1], points[outline.nodes, 0], color="#303030", linewidth=0.8, zorder=2.0)

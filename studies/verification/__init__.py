@@ -1,0 +1,1 @@
+"""Bodies with exact and with published answers."""
