@@ -34,6 +34,7 @@ if [[ ! -e $root/made ]]; then
     touch "$root/made"
 fi
 mkdir -p "$inside"
+find "$inside" -mindepth 1 -maxdepth 1 ! -name .venv ! -name results -exec rm -rf {} +
 git ls-files --cached --others --exclude-standard | while read -r file; do
     [[ ! -e $file ]] || printf '%s\0' "$file"
 done | tar --create --null --files-from=- | tar --extract --no-same-owner --directory "$inside"
