@@ -105,7 +105,7 @@ def stack_table(names: Sequence[str], figures: Sequence[Figures], differences: S
 
 
 def _times(cold_s: float, warm_s: float) -> str:
-    return f"{cold_s:.0f} / {warm_s:.0f}"
+    return " / ".join("–" if math.isnan(one) else f"{one:.0f}" for one in (cold_s, warm_s))
 
 
 def _counts(figures: Figures, ranks: str) -> str:
