@@ -13,9 +13,9 @@ from itertools import chain
 import numpy as np
 from scipy.spatial import cKDTree
 
-from meshes.boundary import QUADRILATERAL_EDGES
 from meshes.cells import TRIANGLE_EDGES
 from meshes.solid import FACETS, FloatArray, IntArray, SolidMesh
+from meshes.surface import QUADRILATERAL_EDGES
 
 
 @dataclass(frozen=True)

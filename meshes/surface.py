@@ -1,10 +1,10 @@
-"""Integrals over a named surface of a mesh, as weights of its nodes."""
+"""The surface of a mesh: integrals over a named part as weights of nodes, and a meridian's boundary as edges."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from meshes.cells import CellShape
+from meshes.cells import TRIANGLE_EDGES, CellShape
 from meshes.errors import MeshError
 from meshes.solid import FACETS, FloatArray, IntArray, SolidMesh
 
@@ -15,6 +15,8 @@ _FACET_CORNERS: dict[str, list[tuple[int, ...]]] = {
     "tetrahedron": [(1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)],
     "hexahedron": [(0, 1, 2, 3), (0, 1, 4, 5), (0, 2, 4, 6), (1, 3, 5, 7), (2, 3, 6, 7), (4, 5, 6, 7)],
 }
+# Edges of a quadrilateral as pairs of local corners, in the order of their mid-edge nodes (meshes.cells).
+QUADRILATERAL_EDGES = ((0, 1), (0, 2), (1, 3), (2, 3))
 # Gauss points in each direction: weights of quadratic functions on curved facets to below the mesh's own error.
 _POINTS = 4
 
@@ -85,3 +87,13 @@ def _reference_corners(cell: CellShape) -> FloatArray:
     if cell.corners == d + 1:
         return np.vstack([np.zeros(d), np.eye(d)])
     return np.array([[(k >> i) & 1 for i in range(d)] for k in range(2**d)], dtype=float)
+
+
+def boundary_edges(mesh: SolidMesh) -> IntArray:
+    """All edges of a meridian that belong to one cell: corner, mid-edge node, corner, shape (k, 3)."""
+    table = TRIANGLE_EDGES if mesh.cell.name == "triangle" else QUADRILATERAL_EDGES
+    ends = np.concatenate([mesh.cells[:, list(pair)] for pair in table])
+    middle = np.concatenate([mesh.cells[:, mesh.cell.corners + k] for k in range(len(table))])
+    _, first, count = np.unique(np.sort(ends, axis=1), axis=0, return_index=True, return_counts=True)
+    alone = first[count == 1]
+    return np.column_stack([ends[alone, 0], middle[alone], ends[alone, 1]])

@@ -13,8 +13,8 @@ from analytical import sphere as exact_sphere
 from analytical import tube as exact_tube
 from analytical.materials import DRAGON_SKIN_10
 from meshes.bodies import sphere_meridian, tube_meridian
-from meshes.boundary import boundary_edges
 from meshes.solid import FACETS, FloatArray, SolidMesh
+from meshes.surface import boundary_edges
 from solvers.contact.contact import Contact
 from solvers.contact.obstacles import Bore, Bowl
 from solvers.contact.pairs import Against, ContactSettings, Facing, Line, PairReport, Stop

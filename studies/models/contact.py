@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from meshes.boundary import boundary_edges
 from meshes.gaps import outlines
 from meshes.solid import FACETS, FloatArray, SolidMesh
+from meshes.surface import boundary_edges
 from solvers.contact.contact import Contact
 from solvers.contact.obstacles import RoundedBox
 from solvers.contact.pairs import Against, ContactSettings, Facing, Line, PairReport, Stop, gauss_points

@@ -14,9 +14,9 @@ from analytical.sphere import deformed_radius_mm as sphere_radius_mm
 from analytical.sphere import pressure_at_inner_radius_mpa as sphere_pressure_mpa
 from analytical.tube import Tube, inner_radius_at_outer_mm, pressure_at_inner_radius_mpa
 from meshes.bodies import sphere_meridian
-from meshes.boundary import boundary_edges
 from meshes.gaps import outlines
 from meshes.solid import FACETS
+from meshes.surface import boundary_edges
 from solvers.contact.contact import Contact
 from solvers.contact.obstacles import Bore, Bowl, RoundedBox
 from solvers.contact.pairs import Against, ContactSettings, Facing, Line, Stop
