@@ -1,6 +1,6 @@
 """Command line: ``python -m studies plan | solve | batch | paper | exact | … | report``.
 
-Exit codes: 0 all asked states reached; 2 bad input, nothing run and nothing written; 3 stopped early, partial
+Exit codes: 0 all requested states reached; 2 bad input, nothing run and nothing written; 3 stopped early, partial
 results saved.
 """
 
@@ -23,7 +23,7 @@ from solvers.errors import SolverError
 from studies.models import session
 from studies.models.kinds import AnyPlan, description, plan_for, run
 from studies.planning.error_model import ROUNDS, cells_of
-from studies.planning.plan import RUNGS, SECTOR_LEVELS, Rung, make_plan
+from studies.planning.plan import MODELS, SECTOR_LEVELS, Model, make_plan
 from studies.progress import Progress
 from studies.results import provenance
 from studies.results.rows import Row
@@ -48,13 +48,13 @@ def _out(text: str) -> None:
         click.echo(text)
 
 
-def _load(paths: tuple[Path, ...], rung: Rung | None = None) -> list[tuple[AnyScene, str]]:
-    """All scenes, or exit with every fault found, also of the asked rung; nothing has been written."""
+def _load(paths: tuple[Path, ...], model: Model | None = None) -> list[tuple[AnyScene, str]]:
+    """All scenes, or exit with every fault found, also of the requested model; nothing has been written."""
     scenes, faults = [], []
     for path in paths:
         try:
             scenes.append((load_any_scene(path), path.read_text(encoding="utf-8")))
-            plan_for(scenes[-1][0], rung)
+            plan_for(scenes[-1][0], model)
         except SceneError as error:
             faults.append(str(error))
     names = [scene.name for scene, _ in scenes]
@@ -84,9 +84,9 @@ SCENES_ARGUMENT = click.argument("scenes", nargs=-1, required=True, type=click.P
 OUT_OPTION = click.option(
     "--out", required=True, type=click.Path(path_type=Path), help="Folder for the results; made if missing."
 )
-RUNG_OPTION = click.option(
-    "--rung",
-    type=click.Choice(RUNGS),
+MODEL_OPTION = click.option(
+    "--model",
+    type=click.Choice(MODELS),
     help="Force this model; default: the cheapest whose error can be held within the scene's tolerance.",
 )
 
@@ -98,22 +98,22 @@ def main() -> None:
 
 @main.command()
 @SCENE_ARGUMENT
-@RUNG_OPTION
-def plan(scene: Path, rung: Rung | None) -> None:
+@MODEL_OPTION
+def plan(scene: Path, model: Model | None) -> None:
     """Print what would be solved for SCENE, what is skipped, and why."""
-    ((checked, _),) = _load((scene,), rung)
-    _out(description(checked, rung))
+    ((checked, _),) = _load((scene,), model)
+    _out(description(checked, model))
 
 
 @main.command()
 @SCENE_ARGUMENT
 @OUT_OPTION
-@RUNG_OPTION
-def solve(scene: Path, out: Path, rung: Rung | None) -> None:
+@MODEL_OPTION
+def solve(scene: Path, out: Path, model: Model | None) -> None:
     """Solve SCENE; writes path.csv, summary.json and rows.csv into the output folder."""
-    ((checked, text),) = _load((scene,), rung)
+    ((checked, text),) = _load((scene,), model)
     _writable(out)
-    sys.exit(_solve(checked, text, plan_for(checked, rung), out, MPI.COMM_WORLD))
+    sys.exit(_solve(checked, text, plan_for(checked, model), out, MPI.COMM_WORLD))
 
 
 def _solve(scene: AnyScene, text: str, plan: AnyPlan | None, out: Path, comm: MPI.Comm) -> int:
@@ -153,24 +153,24 @@ def _shown(entry: Row) -> str:
     at = "" if math.isnan(entry.pressure_kpa) else f"{entry.pressure_kpa:g} kPa  "
     name = "" if entry.quantity == "tip_mm" else f"{entry.quantity} "
     if math.isnan(entry.value):
-        return f"{at}{entry.rung} {entry.level}: {name}{entry.status}"
+        return f"{at}{entry.model} {entry.level}: {name}{entry.status}"
     spread = "" if math.isnan(entry.uncertainty) else f" +- {entry.uncertainty:.2g}"
     exact = "" if math.isnan(entry.reference) else f" ({entry.error_percent:+.4f} % from {entry.source})"
     digits = ".3f" if entry.quantity == "tip_mm" else ".6g"
-    return f"{at}{entry.rung} {entry.level}: {name}{entry.value:{digits}}{spread} {entry.unit}{exact if name else ''}"
+    return f"{at}{entry.model} {entry.level}: {name}{entry.value:{digits}}{spread} {entry.unit}{exact if name else ''}"
 
 
 @main.command()
 @SCENES_ARGUMENT
 @OUT_OPTION
-@RUNG_OPTION
+@MODEL_OPTION
 @click.option("--ranks-per-scene", type=click.Choice(["1", "2"]), default="1", show_default=True)
-def batch(scenes: tuple[Path, ...], out: Path, rung: Rung | None, ranks_per_scene: str) -> None:
+def batch(scenes: tuple[Path, ...], out: Path, model: Model | None, ranks_per_scene: str) -> None:
     """Solve many SCENES, each into a folder of its name; run under mpirun to share them out.
 
     Finished scenes are not repeated, so an interrupted batch goes on where it was. The exit code is the worst.
     """
-    checked = _load(scenes, rung)
+    checked = _load(scenes, model)
     _writable(out)
     world, size = MPI.COMM_WORLD, int(ranks_per_scene)
     if world.size % size:
@@ -180,7 +180,7 @@ def batch(scenes: tuple[Path, ...], out: Path, rung: Rung | None, ranks_per_scen
     mine = world.rank // size
     comm = world.Split(mine, world.rank)
     codes = [
-        _solve(scene, text, plan_for(scene, rung), out / scene.name, comm) for scene, text in checked[mine::groups]
+        _solve(scene, text, plan_for(scene, model), out / scene.name, comm) for scene, text in checked[mine::groups]
     ]
     code = max(world.allreduce(max(codes, default=0), op=MPI.MAX), 0)
     if world.rank == 0:
@@ -196,7 +196,7 @@ def paper(out: Path, core: bool, audit: bool) -> None:
     """Run the paper study: four actuators by every model, variants, and the report about the paper's numbers.
 
     Also in the report: whatever of the rest is in the output folder already. The exit code is 3 if a run of the four
-    actuators did not reach every asked pressure.
+    actuators did not reach every requested pressure.
     """
     _writable(out)
     try:

@@ -318,7 +318,7 @@ def inflated(bellows_problem):
 
 @pytest.fixture(scope="session")
 def inflated_solid(bellows_problem, inflated):
-    """The same in 3D, started from the revolved axisymmetric states; only the asked pressures."""
+    """The same in 3D, started from the revolved axisymmetric states; only the requested pressures."""
     from meshes.revolve import revolve_vector
     from solvers.equilibrium.newton import NewtonSettings
     from solvers.paths.path import PathSettings, follow_guesses

@@ -310,7 +310,7 @@ def blocked_bellows(comm: MPI.Comm) -> CaseResult:
 
 
 def _straight(scene: Scene, meridian: SolidMesh) -> list[PathState]:
-    """The axisymmetric path of the blocked bellows, at the asked pressures."""
+    """The axisymmetric path of the blocked bellows, at the requested pressures."""
     problem = scene_problem(scene, meridian, MPI.COMM_SELF)
     path = follow_path(problem, Factor(problem), scene.pressures_mpa, PathSettings())
     return [item for item in path.states if item.asked]

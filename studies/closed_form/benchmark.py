@@ -23,7 +23,7 @@ from analytical.chain_equations import TABLE_STEP, Reading
 from analytical.chains import MENDED, closed_form
 from analytical.materials import DRAGON_SKIN_10, Law, Ogden, dragon_skin_30
 from studies.closed_form.tables import CHAINS
-from studies.report.tables import Table, rung_label
+from studies.report.tables import Table, model_label
 from studies.results.rows import Row, row, write_rows
 
 LAWS: Final[dict[str, Law]] = {"Dragon Skin 10": DRAGON_SKIN_10, "Dragon Skin 30": dragon_skin_30("2mu/alpha^2")}
@@ -49,7 +49,7 @@ class Measurement:
 
     Attributes
     ----------
-    rung, law
+    model, law
         Which.
     per_second
         Evaluations (one design at one pressure) per second, one value per repetition.
@@ -59,7 +59,7 @@ class Measurement:
         Relative error of the elongation over the sample.
     """
 
-    rung: str
+    model: str
     law: str
     per_second: tuple[float, ...]
     unfolded: float
@@ -70,7 +70,7 @@ class Measurement:
 def run(folder: Path) -> Table:
     """Measure all chains with all laws; writes rows.csv into the folder and returns the table."""
     designs = random_designs(DESIGNS, SEED)
-    found = [measure(rung, name, designs) for rung in CHAINS for name in LAWS]
+    found = [measure(model, name, designs) for model in CHAINS for name in LAWS]
     folder.mkdir(parents=True, exist_ok=True)
     write_rows(folder / "rows.csv", (entry for one in found for entry in _rows(one)))
     return table(found)
@@ -90,10 +90,10 @@ def random_designs(count: int, seed: int) -> BellowsDesigns:
 
 
 def measure(
-    rung: str, law_name: str, designs: BellowsDesigns, repetitions: int = REPETITIONS, sample: int = SAMPLE
+    model: str, law_name: str, designs: BellowsDesigns, repetitions: int = REPETITIONS, sample: int = SAMPLE
 ) -> Measurement:
     """Time a chain over all designs and pressures, and compare a sample with the equations solved one by one."""
-    law, reading = LAWS[law_name], CHAINS[rung]
+    law, reading = LAWS[law_name], CHAINS[model]
     per_second = []
     with threadpoolctl.threadpool_limits(limits=1):
         for _ in range(repetitions):
@@ -110,7 +110,7 @@ def measure(
         # where the printed chain has no real half pitch, both must say so
         errors.append(0.0 if math.isnan(exact) and math.isnan(found) else abs(found - exact) / abs(exact))
     unfolded = float(np.mean(path.drop_mm <= 0.0))
-    return Measurement(rung, law_name, tuple(per_second), unfolded, float(np.max(errors)), float(np.median(errors)))
+    return Measurement(model, law_name, tuple(per_second), unfolded, float(np.max(errors)), float(np.median(errors)))
 
 
 def elongation_by_equations_mm(
@@ -179,7 +179,7 @@ def table(found: Sequence[Measurement]) -> Table:
     """Speed and error of every chain and law."""
     lines = (
         (
-            rung_label(one.rung),
+            model_label(one.model),
             one.law,
             f"{max(one.per_second):.3g}",
             f"{min(one.per_second):.3g} to {max(one.per_second):.3g}",
@@ -227,6 +227,6 @@ def _rows(one: Measurement) -> list[Row]:
         ("elongation_error_median", "1", one.median_error, ""),
     )
     return [
-        row(one.law, quantity, unit, math.nan, one.rung, value, level, source=size)
+        row(one.law, quantity, unit, math.nan, one.model, value, level, source=size)
         for quantity, unit, value, level in values
     ]

@@ -17,7 +17,7 @@ from studies.closed_form.plots import draw_maps, draw_stress_curves
 from studies.closed_form.tables import CHAINS, CUTS, PRESSURES_KPA, SILICONES, path_of, printed_mm
 from studies.report.pages import duration, write_page
 from studies.report.plots import Curve, draw_elongation
-from studies.report.tables import Table, rung_label
+from studies.report.tables import Table, model_label
 from studies.results import provenance
 from studies.results.rows import Row, write_rows
 from studies.verification import two_routes as exact_table
@@ -111,26 +111,26 @@ def _actuator(folder: Path, actuator: PaperActuator) -> dict[str, Any]:
 
 def _curves(actuator: PaperActuator) -> list[Curve]:
     """The chains' paths, the balanced chain's at its other cuts, and the printed points."""
-    paths = {(rung, rung_label(rung)): path_of(actuator, r, tuple(_PLOT_KPA)) for rung, r in CHAINS.items()}
+    paths = {(model, model_label(model)): path_of(actuator, r, tuple(_PLOT_KPA)) for model, r in CHAINS.items()}
     paths |= {
         (f"cut_{cut}", f"balanced, cut at the {cut}"): path_of(actuator, reading, tuple(_PLOT_KPA))
         for cut, reading in CUTS.items()
         if cut != "mean"
     }
-    curves = [_curve(rung, label, path) for (rung, label), path in paths.items()]
-    for rung, value in printed_mm(actuator).items():
-        curves.append(Curve(rung, rung_label(rung), (PRINTED_PRESSURE_KPA,), (value,)))
+    curves = [_curve(model, label, path) for (model, label), path in paths.items()]
+    for model, value in printed_mm(actuator).items():
+        curves.append(Curve(model, model_label(model), (PRINTED_PRESSURE_KPA,), (value,)))
     return curves
 
 
-def _curve(rung: str, label: str, path: ClosedFormPath) -> Curve:
+def _curve(model: str, label: str, path: ClosedFormPath) -> Curve:
     """A path; a cross where the root reaches the crest, for the chains themselves."""
     real = np.isfinite(path.elongation_mm)
     pressures, tips = path.pressure_kpa[real], path.elongation_mm[real]
     unfolding = float(path.unfolding_pressure_kpa[0])
-    marked = rung in CHAINS and unfolding <= pressures[-1]
+    marked = model in CHAINS and unfolding <= pressures[-1]
     return Curve(
-        rung=rung,
+        model=model,
         label=label,
         pressure_kpa=tuple(pressures),
         tip_mm=tuple(tips),

@@ -24,11 +24,11 @@ from analytical.materials import (
 )
 from analytical.mends import MENDS, Mend, effect_cm
 from analytical.paper import PRINTED_PRESSURE_KPA, PaperActuator, Silicone
-from studies.report.tables import MISSING, TIP, Table, difference_percent, rung_label, signed
+from studies.report.tables import MISSING, TIP, Table, difference_percent, model_label, signed
 from studies.results.rows import Row, row
 
 PRESSURES_KPA: Final = (5.0, 10.0, 15.0, 20.0)
-# By rung: how its chain reads the equations.
+# By model: how its chain reads the equations.
 CHAINS: Final[dict[str, Reading]] = {
     "closed_form_printed": PRINTED_READING,
     "closed_form": MENDED,
@@ -76,7 +76,7 @@ def output(path: ClosedFormPath, name: str) -> FloatArray:
 
 
 def printed_mm(actuator: PaperActuator) -> dict[str, float]:
-    """Printed elongations at 20 kPa by rung, mm."""
+    """Printed elongations at 20 kPa by model, mm."""
     known = actuator.printed
     return {
         "paper_closed_form": 10.0 * known.closed_form_cm,
@@ -92,9 +92,9 @@ def chain_rows(actuator: PaperActuator) -> list[Row]:
     """Elongation of every chain and cut beside the printed one, the chains' other outputs, unfolding pressures."""
     rows = []
     printed, source = printed_mm(actuator), actuator.printed.source
-    readings = [(rung, "", reading) for rung, reading in CHAINS.items() if rung != "closed_form_balanced"]
+    readings = [(model, "", reading) for model, reading in CHAINS.items() if model != "closed_form_balanced"]
     readings += [("closed_form_balanced", cut, reading) for cut, reading in CUTS.items()]
-    for rung, level, reading in readings:
+    for model, level, reading in readings:
         path = path_of(actuator, reading)
         for k, pressure in enumerate(PRESSURES_KPA):
             compared = pressure == PRINTED_PRESSURE_KPA
@@ -104,7 +104,7 @@ def chain_rows(actuator: PaperActuator) -> list[Row]:
                     TIP,
                     "mm",
                     pressure,
-                    rung,
+                    model,
                     float(path.elongation_mm[k]),
                     level,
                     reference=printed["paper_closed_form"] if compared else math.nan,
@@ -113,15 +113,15 @@ def chain_rows(actuator: PaperActuator) -> list[Row]:
                 )
             )
             rows += [
-                row(actuator.name, name, unit, pressure, rung, float(output(path, name)[k]), level)
+                row(actuator.name, name, unit, pressure, model, float(output(path, name)[k]), level)
                 for name, unit, _, _ in _OUTPUTS
                 if name != "elongation_mm"
             ]
         unfolding = float(path.unfolding_pressure_kpa[0])
-        rows.append(row(actuator.name, "unfolding_pressure_kpa", "kPa", math.nan, rung, unfolding, level))
+        rows.append(row(actuator.name, "unfolding_pressure_kpa", "kPa", math.nan, model, unfolding, level))
     rows += [
-        row(actuator.name, TIP, "mm", PRINTED_PRESSURE_KPA, rung, value, source=source)
-        for rung, value in printed.items()
+        row(actuator.name, TIP, "mm", PRINTED_PRESSURE_KPA, model, value, source=source)
+        for model, value in printed.items()
     ]
     return rows
 
@@ -135,9 +135,9 @@ def summary(actuators: Sequence[PaperActuator]) -> Table:
     """Elongation (mm) at 20 kPa of the three chains beside the printed numbers, state and unfolding pressure (kPa)."""
     lines = []
     for actuator in actuators:
-        paths = {rung: path_of(actuator, reading, [PRINTED_PRESSURE_KPA]) for rung, reading in CHAINS.items()}
+        paths = {model: path_of(actuator, reading, [PRINTED_PRESSURE_KPA]) for model, reading in CHAINS.items()}
         printed = printed_mm(actuator)
-        values = {rung: float(path.elongation_mm[0]) for rung, path in paths.items()}
+        values = {model: float(path.elongation_mm[0]) for model, path in paths.items()}
         mended = paths["closed_form"]
         difference = difference_percent(values["closed_form"], printed["paper_closed_form"])
         lines.append(
@@ -151,14 +151,14 @@ def summary(actuators: Sequence[PaperActuator]) -> Table:
                 f"{mended.unfolding_pressure_kpa[0]:.1f}",
             )
         )
-    header = ("actuator", "silicone", *map(rung_label, CHAINS), *map(rung_label, printed_mm(actuators[0])))
+    header = ("actuator", "silicone", *map(model_label, CHAINS), *map(model_label, printed_mm(actuators[0])))
     header += ("closed form from its printed number, %", "state", "unfolds fully at, kPa")
     return Table(header, tuple(lines), left=(0, 1, len(header) - 2))
 
 
 def chain_table(actuator: PaperActuator) -> Table:
     """Elongation (mm) by pressure (kPa): the chains, the balanced one at each cut, the printed numbers."""
-    paths = {rung_label(rung): path_of(actuator, reading) for rung, reading in CHAINS.items()}
+    paths = {model_label(model): path_of(actuator, reading) for model, reading in CHAINS.items()}
     paths |= {f"balanced, cut at the {cut}": path_of(actuator, r) for cut, r in CUTS.items() if cut != "mean"}
     printed = printed_mm(actuator)
     lines = []
@@ -166,17 +166,17 @@ def chain_table(actuator: PaperActuator) -> Table:
         values = (_length(float(path.elongation_mm[k])) for path in paths.values())
         known = (f"{v:g}" if pressure == PRINTED_PRESSURE_KPA else MISSING for v in printed.values())
         lines.append((f"{pressure:g}", *values, *known))
-    return Table(("pressure, kPa", *paths, *map(rung_label, printed)), tuple(lines), left=())
+    return Table(("pressure, kPa", *paths, *map(model_label, printed)), tuple(lines), left=())
 
 
 def output_table(actuator: PaperActuator) -> Table:
     """Every output of the three chains, a line per chain and pressure (kPa)."""
     lines = []
-    for rung, reading in CHAINS.items():
+    for model, reading in CHAINS.items():
         path = path_of(actuator, reading)
         for k, pressure in enumerate(PRESSURES_KPA):
             values = (_fixed(float(output(path, name)[k]), digits) for name, _, _, digits in _OUTPUTS)
-            lines.append((_SHORT[rung], f"{pressure:g}", *values, str(path.state[k])))
+            lines.append((_SHORT[model], f"{pressure:g}", *values, str(path.state[k])))
     header = ("chain", "pressure, kPa", *(heading for _, _, heading, _ in _OUTPUTS), "state")
     return Table(header, tuple(lines), left=(0, len(header) - 1))
 
@@ -184,8 +184,8 @@ def output_table(actuator: PaperActuator) -> Table:
 def unfolding(actuator: PaperActuator) -> str:
     """Unfolding pressures of the chains, a sentence."""
     printed, mended = (
-        float(path_of(actuator, CHAINS[rung]).unfolding_pressure_kpa[0])
-        for rung in ("closed_form_printed", "closed_form")
+        float(path_of(actuator, CHAINS[model]).unfolding_pressure_kpa[0])
+        for model in ("closed_form_printed", "closed_form")
     )
     return (
         f"The root reaches the crest at {mended:.1f} kPa in the mended and the balanced chain, at {printed:.1f} kPa in "
@@ -196,14 +196,14 @@ def unfolding(actuator: PaperActuator) -> str:
 def warnings(actuator: PaperActuator) -> list[str]:
     """What to know before quoting a chain's numbers, a sentence per chain and warning."""
     found: dict[tuple[str, str], list[str]] = {}
-    for rung, reading in CHAINS.items():
+    for model, reading in CHAINS.items():
         path = path_of(actuator, reading)
         for pressure, texts in zip(
             PRESSURES_KPA, validity_warnings(path, STRETCH_AT_BREAK[actuator.silicone]), strict=True
         ):
             for text in texts:
-                found.setdefault((rung, text), []).append(f"{pressure:g}")
-    return [f"{rung_label(rung)}, {', '.join(at)} kPa: {text}." for (rung, text), at in found.items()]
+                found.setdefault((model, text), []).append(f"{pressure:g}")
+    return [f"{model_label(model)}, {', '.join(at)} kPa: {text}." for (model, text), at in found.items()]
 
 
 def resting_on_saturation(actuators: Sequence[PaperActuator]) -> str:
@@ -235,14 +235,14 @@ def convention_table(actuators: Sequence[PaperActuator]) -> Table:
             continue
         for convention in OGDEN_CONVENTIONS:
             law = dragon_skin_30(convention)
-            for rung in ("closed_form", "closed_form_balanced"):
-                path = closed_form(actuator.dimensions, law, PRESSURES_KPA, CHAINS[rung])
+            for model in ("closed_form", "closed_form_balanced"):
+                path = closed_form(actuator.dimensions, law, PRESSURES_KPA, CHAINS[model])
                 lines.append(
                     (
                         actuator.name,
                         convention,
                         f"{1e3 * law.initial_shear_modulus_mpa:.2f}",
-                        rung_label(rung),
+                        model_label(model),
                         *(_length(value) for value in path.elongation_mm.tolist()),
                         f"{actuator.printed.closed_form_cm * 10.0:g}",
                     )
@@ -320,11 +320,11 @@ _LOADED: Final = ("closed_form", "closed_form_balanced")
 def load_rows(actuator: PaperActuator) -> list[Row]:
     """Pressures for given elongations, forces at the blocked tip."""
     rows = []
-    for rung in _LOADED:
-        reading = CHAINS[rung]
-        for share, elongation in zip(SHARES, _asked_mm(actuator, rung), strict=True):
+    for model in _LOADED:
+        reading = CHAINS[model]
+        for share, elongation in zip(SHARES, _requested_mm(actuator, model), strict=True):
             pressure = pressure_at_elongation_kpa(actuator.dimensions, actuator.law, elongation, reading)
-            rows.append(row(actuator.name, TIP, "mm", pressure, rung, elongation, f"{share:.0%} of that at 20 kPa"))
+            rows.append(row(actuator.name, TIP, "mm", pressure, model, elongation, f"{share:.0%} of that at 20 kPa"))
         held = held_tip(actuator.dimensions, actuator.law, PRESSURES_KPA, reading=reading)
         for k, pressure in enumerate(PRESSURES_KPA):
             for name, unit, values in (
@@ -332,7 +332,7 @@ def load_rows(actuator: PaperActuator) -> list[Row]:
                 ("thrust_n", "N", held.extension_force_n),
                 ("wall_stretch", "1", held.wall_stretch),
             ):
-                rows.append(row(actuator.name, name, unit, pressure, rung, float(values[k]), "blocked"))
+                rows.append(row(actuator.name, name, unit, pressure, model, float(values[k]), "blocked"))
     return rows
 
 
@@ -340,16 +340,16 @@ def inverse_table(actuators: Sequence[PaperActuator]) -> Table:
     """Pressure (kPa) at which the mended and the balanced chain give shares of their elongation at 20 kPa."""
     lines = []
     for actuator in actuators:
-        for rung in _LOADED:
-            asked = _asked_mm(actuator, rung)
-            found = (pressure_at_elongation_kpa(actuator.dimensions, actuator.law, u, CHAINS[rung]) for u in asked)
+        for model in _LOADED:
+            asked = _requested_mm(actuator, model)
+            found = (pressure_at_elongation_kpa(actuator.dimensions, actuator.law, u, CHAINS[model]) for u in asked)
             cells = (f"{u:.2f} mm at {p:.3f} kPa" for u, p in zip(asked, found, strict=True))
-            lines.append((actuator.name, rung_label(rung), *cells))
+            lines.append((actuator.name, model_label(model), *cells))
     return Table(("actuator", "chain", *(f"{share:.0%}" for share in SHARES)), tuple(lines), left=(0, 1))
 
 
-def _asked_mm(actuator: PaperActuator, rung: str) -> list[float]:
-    most = float(path_of(actuator, CHAINS[rung], [PRINTED_PRESSURE_KPA]).elongation_mm[0])
+def _requested_mm(actuator: PaperActuator, model: str) -> list[float]:
+    most = float(path_of(actuator, CHAINS[model], [PRINTED_PRESSURE_KPA]).elongation_mm[0])
     return [share * most for share in SHARES]
 
 
@@ -357,15 +357,15 @@ def held_table(actuators: Sequence[PaperActuator]) -> Table:
     """Tip force (N) blocked at zero elongation, beside the thrust alone, by pressure (kPa)."""
     lines = []
     for actuator in actuators:
-        for rung in _LOADED:
-            held = held_tip(actuator.dimensions, actuator.law, PRESSURES_KPA, reading=CHAINS[rung])
+        for model in _LOADED:
+            held = held_tip(actuator.dimensions, actuator.law, PRESSURES_KPA, reading=CHAINS[model])
             cells = (
                 f"{force:.3f} (thrust {thrust:.3f}, λ_a {stretch:.3f})"
                 for force, thrust, stretch in zip(
                     held.tip_force_n, held.extension_force_n, held.wall_stretch, strict=True
                 )
             )
-            lines.append((actuator.name, rung_label(rung), *cells))
+            lines.append((actuator.name, model_label(model), *cells))
     return Table(("actuator", "chain", *(f"{p:g} kPa, N" for p in PRESSURES_KPA)), tuple(lines), left=(0, 1))
 
 

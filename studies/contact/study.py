@@ -80,9 +80,9 @@ def run_folder(folder: Path, scene: Scene, model: str, level: int) -> Path:
 
 
 def at(run: Run, pressure_kpa: float) -> PathRow | None:
-    """The asked state of a run at a pressure; None if it was not reached."""
+    """The requested state of a run at a pressure; None if it was not reached."""
     for entry in run.path:
-        if entry.status == "asked" and math.isclose(entry.pressure_kpa, pressure_kpa, rel_tol=1e-9):
+        if entry.status == "requested" and math.isclose(entry.pressure_kpa, pressure_kpa, rel_tol=1e-9):
             return entry
     return None
 
@@ -115,12 +115,12 @@ def _largest_stretch(scene: Scene, run: Run, folder: Path, pressure_kpa: float) 
     return float(np.percentile(largest_stretches(places, saved[0].displacement_mm), 99.5))
 
 
-def _state_rows(scene: Scene, run: Run, pressure: float, rung: str, reports: Sequence[dict[str, str]]) -> list[Row]:
+def _state_rows(scene: Scene, run: Run, pressure: float, model: str, reports: Sequence[dict[str, str]]) -> list[Row]:
     found, level = at(run, pressure), run.summary.level
     stopped = f"stopped at {run.path[-1].pressure_kpa:.2f} kPa: {run.summary.reason}" if run.path else "stopped"
 
     def entry(quantity: str, unit: str, value: float) -> Row:
-        return row(scene.name, quantity, unit, pressure, rung, value, level, status=REACHED if found else stopped)
+        return row(scene.name, quantity, unit, pressure, model, value, level, status=REACHED if found else stopped)
 
     if found is None:
         return [entry("tip_force_n" if scene.blocked else "tip_mm", "N" if scene.blocked else "mm", math.nan)]
@@ -179,8 +179,8 @@ def exact_table(rows: Sequence[Row]) -> Table:
 def state_table(rows: Sequence[Row], quantity: str) -> Table:
     """A line per pressure: the quantity by model and level, gap and contact force (or stretch) of the finest, modes."""
     stretched = any(r.quantity == "largest_stretch" for r in rows)
-    value = {(r.rung, r.level, r.pressure_kpa, r.quantity): r.value for r in rows}
-    runs = list(dict.fromkeys((r.rung, r.level) for r in rows))
+    value = {(r.model, r.level, r.pressure_kpa, r.quantity): r.value for r in rows}
+    runs = list(dict.fromkeys((r.model, r.level) for r in rows))
     finest = [run for run in runs if run[0] == "axisymmetric"][-1]
     lines = []
     for pressure in dict.fromkeys(r.pressure_kpa for r in rows):
@@ -193,7 +193,7 @@ def state_table(rows: Sequence[Row], quantity: str) -> Table:
              cell(finest, "largest_stretch" if stretched else "contact_force_n", 3),
              *(cell(run, "unstable_modes") for run in runs))
         )  # fmt: skip
-    names = [f"{level}{', no contact' if 'no' in rung else ''}" for rung, level in runs]
+    names = [f"{level}{', no contact' if 'no' in model else ''}" for model, level in runs]
     unit = "tip force, N" if quantity == "tip_force_n" else "tip, mm"
     header = (
         "kPa", *(f"{unit}: {n}" for n in names), f"least gap, mm: {finest[1]}",
@@ -204,7 +204,7 @@ def state_table(rows: Sequence[Row], quantity: str) -> Table:
 
 
 def write_study(out: Path, progress: Progress) -> tuple[Path, bool]:
-    """Solve what is missing, write rows and report; its path, and whether all asked states were reached."""
+    """Solve what is missing, write rows and report; its path, and whether all requested states were reached."""
     exact = exact_rows()
     by_case = {case: case_rows(case, out, progress) for case in (*TOUCHING, *OPEN)}
     rows = [*exact, *(r for found in by_case.values() for r in found)]

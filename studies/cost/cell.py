@@ -36,7 +36,7 @@ MEASURED_AS = 1
 
 @dataclass(frozen=True)
 class Answer:
-    """Runs of a cell, the last being the answer, and its value at the highest asked pressure, mm."""
+    """Runs of a cell, the last being the answer, and its value at the highest requested pressure, mm."""
 
     runs: tuple[Run, ...]
     value: float
@@ -52,16 +52,16 @@ def solve(cell: Cell, folder: Path, comm: MPI.Comm) -> Answer:
         If a run failed for another reason than its load.
     """
     scene, progress = cell_scene(cell), Progress(comm)
-    place = folder / f"{cell.rung}-{cell.level}"
+    place = folder / f"{cell.model}-{cell.level}"
     if not isinstance(scene, Scene):
-        plan = ExactPlan(cell.rung, (cell.level,), False, ())
+        plan = ExactPlan(cell.model, (cell.level,), False, ())
         run = run_exact(scene, plan, cell.level, place, comm, progress)
         last = scene.loads_kpa[-1]
         value = next((v["bore_mm"] for p, v in run.measured.items() if math.isclose(p, last, rel_tol=1e-9)), math.nan)
         return Answer((run.run,), value, last)
-    if cell.rung == "closed_form":
+    if cell.model == "closed_form":
         runs: tuple[Run, ...] = (run_closed_form(scene, place, comm),)
-    elif cell.rung == "axisymmetric":
+    elif cell.model == "axisymmetric":
         runs = (run_axisymmetric(scene, fineness(cell.level), place, comm, progress),)
     elif cell.strategy == "cold":
         runs = (cold_body(scene, cell, body_level(cell.level), place, comm, progress),)
@@ -69,23 +69,23 @@ def solve(cell: Cell, folder: Path, comm: MPI.Comm) -> Answer:
         level = body_level(cell.level)
         base = folder / f"axisymmetric-r{level.meridian}"
         first = run_axisymmetric(scene, level.meridian, base, comm, progress)
-        assert cell.rung == "sector" or cell.rung == "full3d"
-        runs = (first, run_body(scene, cell.rung, level, base, place, comm, progress, ()))
+        assert cell.model == "sector" or cell.model == "full3d"
+        runs = (first, run_body(scene, cell.model, level, base, place, comm, progress, ()))
     last = scene.load.pressure_kpa[-1]
     return Answer(runs, tip_at(runs[-1], last), last)
 
 
 def cold_body(scene: Scene, cell: Cell, level: BodyLevel, folder: Path, comm: MPI.Comm, progress: Progress) -> Run:
     """A body's own path from zero, without an axisymmetric state to start from; every rank calls."""
-    key = run_hash(scene, f"{cell.rung}-cold", level.name)
-    job = begin(scene.name, cell.rung, level.name, folder, key, (), progress, scene.pressures_mpa[-1])
+    key = run_hash(scene, f"{cell.model}-cold", level.name)
+    job = begin(scene.name, cell.model, level.name, folder, key, (), progress, scene.pressures_mpa[-1])
     meridian = scene_meridian(scene, level.meridian)
-    body = scene_body(meridian, cell.rung, level.around)
+    body = scene_body(meridian, cell.model, level.around)
     meshed = time.perf_counter() - job.begin
     problem = scene_problem(scene, body if comm.rank == 0 else None, comm)
     problem.timer.seconds["mesh"] = meshed
     factor = Factor(problem)
-    tip, parts = Tip(scene, body), SECTORS[cell.rung]
+    tip, parts = Tip(scene, body), SECTORS[cell.model]
     log = Log(
         job,
         comm,

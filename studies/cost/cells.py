@@ -25,7 +25,7 @@ P1_KAPPA_OVER_MU = 1000.0
 
 # A closed form has no cells.
 Element = Literal["hex", "tet", "tet-p0", "tet-p1", "none"]
-Rung = Literal["closed_form", "axisymmetric", "sector", "full3d"]
+Model = Literal["closed_form", "axisymmetric", "sector", "full3d"]
 # Paths from zero by what is held; bodies from the revolved axisymmetric state (warm), or by a path of their own (cold).
 Strategy = Literal["auto", "pressure", "volume", "warm", "cold"]
 CONTROLS: tuple[Strategy, ...] = ("pressure", "volume")
@@ -43,17 +43,17 @@ class Cell:
     ----------
     body
         Scene file below ``scenes``, without its ending.
-    rung, element, level
+    model, element, level
         Model, cells (on a meridian, ``hex`` are quadrilaterals and ``tet`` triangles) and mesh
         (`studies.planning.levels`).
     strategy
-        How the asked pressures are come to.
+        How the requested pressures are come to.
     ranks, threads
         MPI ranks, and BLAS threads of each.
     """
 
     body: str
-    rung: Rung
+    model: Model
     element: Element
     level: str
     strategy: Strategy
@@ -62,7 +62,7 @@ class Cell:
 
     @property
     def name(self) -> str:
-        """Mesh and way within the rung, for instance ``hex n8r2 warm 2x1``."""
+        """Mesh and way within the model, for instance ``hex n8r2 warm 2x1``."""
         return f"{self.element} {self.level} {self.strategy} {self.ranks}x{self.threads}"
 
 
@@ -73,7 +73,7 @@ class Measurement:
     Attributes
     ----------
     value, pressure_kpa
-        The tip's (bellows) or the bore's (tube) displacement at the highest asked pressure, mm; NaN if not reached.
+        The tip's (bellows) or the bore's (tube) displacement at the highest requested pressure, mm; NaN if not reached.
     wall_s, work_s
         From start to end of the process, and without start, imports and end.
     cpu_s
@@ -144,10 +144,12 @@ def cell_scene(cell: Cell) -> Scene | ExactScene:
     return scene.model_copy(update=parts)
 
 
-def _each(body: str, rung: Rung, element: Element, strategy: Strategy, levels: str, ranks: Sequence[int]) -> list[Cell]:
+def _each(
+    body: str, model: Model, element: Element, strategy: Strategy, levels: str, ranks: Sequence[int]
+) -> list[Cell]:
     """Cells of these levels; one rank has two BLAS threads, two have one each."""
     return [
-        Cell(body, rung, element, level, strategy, r, 2 if r == 1 else 1) for level in levels.split() for r in ranks
+        Cell(body, model, element, level, strategy, r, 2 if r == 1 else 1) for level in levels.split() for r in ranks
     ]
 
 
@@ -237,10 +239,10 @@ def is_default(cell: Cell) -> bool:
     """True for the settings of `make study-paper`: quadrilaterals, and warm hexahedra as the plan makes them."""
     if cell.element != "hex" or cell.body == TUBE:
         return False
-    if cell.rung == "axisymmetric":
+    if cell.model == "axisymmetric":
         return cell.strategy == "auto"
     bodies = DEFAULT_BODIES.get(cell.body, ())
-    return cell.rung == "full3d" and cell.strategy == "warm" and cell.ranks == 2 and cell.level in bodies
+    return cell.model == "full3d" and cell.strategy == "warm" and cell.ranks == 2 and cell.level in bodies
 
 
 def scene_file(body: str) -> Path:

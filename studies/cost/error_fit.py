@@ -76,7 +76,7 @@ class Sample:
     features
         As `error_model.features`.
     tips_mm
-        By level, one per asked pressure; NaN where it was not reached.
+        By level, one per requested pressure; NaN where it was not reached.
     seconds, unknowns
         By level.
     """
@@ -94,7 +94,7 @@ class Sample:
         return tuple(f + (f - h) / 3.0 for f, h in zip(fine, half, strict=True))
 
     def errors_percent(self, level: int, limits_mm: Sequence[float]) -> tuple[float, ...]:
-        """Error of a level at each asked pressure, percent of the converged tips."""
+        """Error of a level at each requested pressure, percent of the converged tips."""
         return tuple(100.0 * abs(v - x) / abs(x) for v, x in zip(self.tips_mm[level], limits_mm, strict=True))
 
 
@@ -280,7 +280,7 @@ def time_laws(rows: Sequence[Row]) -> dict[tuple[str, str], Seconds]:
             continue
         element, _, way, _ = p.level.split()
         if way in ("auto", "warm"):
-            groups.setdefault((p.rung, element), []).append(p)
+            groups.setdefault((p.model, element), []).append(p)
     for key, of in groups.items():
         if len(of) >= 3:
             law = power_law([p.unknowns for p in of], [p.work_s for p in of])

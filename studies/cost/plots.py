@@ -49,29 +49,29 @@ def draw_front(path: Path, points: Sequence[Point], whole: bool = False) -> None
         return p.wall_s if whole else p.time_s
 
     shown = [p for p in points if np.isfinite(p.error_percent) and np.isfinite(p.wall_s)]
-    rungs = list(dict.fromkeys(p.rung for p in shown))
-    peers = [rung for rung in rungs if rung.startswith("peer_")]
-    colours = COLOURS | {rung: PEER_COLOURS[k % len(PEER_COLOURS)] for k, rung in enumerate(peers)}
+    models = list(dict.fromkeys(p.model for p in shown))
+    peers = [model for model in models if model.startswith("peer_")]
+    colours = COLOURS | {model: PEER_COLOURS[k % len(PEER_COLOURS)] for k, model in enumerate(peers)}
     with figure_file(path, 8.6, 5.0) as figure:
         axes = figure.add_subplot()
-        for rung in rungs:
-            mine = [p for p in shown if p.rung == rung]
+        for model in models:
+            mine = [p for p in shown if p.model == model]
             line = front([replace(p, work_s=math.nan) for p in mine] if whole else mine)
-            label = LABELS.get(rung, rung.removeprefix("peer_"))
+            label = LABELS.get(model, model.removeprefix("peer_"))
             axes.plot(
                 [time_of(p) for p in line],
                 [told_apart(p) for p in line],
-                color=colours[rung],
+                color=colours[model],
                 linewidth=1.4,
                 label=label,
             )
             for p in line:
                 at = (time_of(p), told_apart(p))
-                axes.annotate(short_name(p), at, (4, 5), textcoords="offset points", fontsize=7.5, color=colours[rung])
+                axes.annotate(short_name(p), at, (4, 5), textcoords="offset points", fontsize=7.5, color=colours[model])
             for element in dict.fromkeys(p.element for p in mine):
                 of = [p for p in mine if p.element == element]
                 marker = MARKERS.get(element, "D")
-                look = {"color": colours[rung], "marker": marker, "linestyle": "none", "markersize": 6.5}
+                look = {"color": colours[model], "marker": marker, "linestyle": "none", "markersize": 6.5}
                 axes.plot([time_of(p) for p in of], [told_apart(p) for p in of], alpha=0.8, **look)  # type: ignore[arg-type]
         default = [p for p in shown if p.default]
         if default:

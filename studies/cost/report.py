@@ -22,7 +22,7 @@ from studies.cost.rows import (
 )
 from studies.report.pages import write_page
 from studies.report.plots import draw_times
-from studies.report.tables import MISSING, Table, count, rung_label, short_time
+from studies.report.tables import MISSING, Table, count, model_label, short_time
 from studies.results import provenance
 from studies.results.rows import Row, read_rows
 
@@ -70,11 +70,11 @@ def write_cost_report(folder: Path) -> Path:
     return write_page(folder, "cost.md.j2", content)
 
 
-def by_rung(found: Sequence[Point]) -> dict[str, list[Point]]:
+def by_model(found: Sequence[Point]) -> dict[str, list[Point]]:
     """Points of each model of this program; other programs' meridians and bodies as groups of their own."""
     groups: dict[str, list[Point]] = {}
     for p in found:
-        groups.setdefault(_peer_group(p) if p.is_peer else p.rung, []).append(p)
+        groups.setdefault(_peer_group(p) if p.is_peer else p.model, []).append(p)
     return groups
 
 
@@ -88,7 +88,7 @@ def _section(name: str, of: Sequence[Point], rows: Sequence[Row], pictures: Path
     draw_front(pictures / f"front-{name}.png", own)
     if len(own) < len(of):
         draw_front(pictures / f"peers-{name}.png", of, whole=True)
-    members = {rung: front(group) for rung, group in by_rung(of).items()}
+    members = {model: front(group) for model, group in by_model(of).items()}
     on_front = [p for group in members.values() for p in group if p.split_s]
     split = _split(on_front)
     if split:
@@ -122,12 +122,12 @@ def _split(of: Sequence[Point]) -> dict[str, list[float]]:
 def _fronts(members: Mapping[str, Sequence[Point]]) -> Table:
     """The members of each model's front."""
     lines = []
-    for rung, of in members.items():
+    for model, of in members.items():
         for p in of:
             default = "yes" if p.default else ""
             name = p.name if p.is_peer else p.level
             work = MISSING if p.is_peer else short_time(p.work_s)
-            lines.append((rung_label(rung), name, _error(p), short_time(p.wall_s), work, _memory(p), default))
+            lines.append((model_label(model), name, _error(p), short_time(p.wall_s), work, _memory(p), default))
     header = ("model", "member of its front", "error, %", "wall, s", "without start, s", "memory, MB", "study-paper")
     return Table(header, tuple(lines), (0, 1))
 
@@ -135,7 +135,7 @@ def _fronts(members: Mapping[str, Sequence[Point]]) -> Table:
 def _cells(of: Sequence[Point]) -> Table:
     lines = [
         (
-            rung_label(p.rung),
+            model_label(p.model),
             p.level,
             _size(p.unknowns),
             _size(p.factorisations),
@@ -184,7 +184,7 @@ def _default_sentences(found: Sequence[Point]) -> list[str]:
     for p in found:
         if not p.default or math.isnan(p.error_percent):
             continue
-        rivals = [q for q in found if q.scene == p.scene and q.rung == p.rung]
+        rivals = [q for q in found if q.scene == p.scene and q.model == p.model]
         ratio, best = off_front(p, rivals)
         off = f"off the front by {ratio:.2f} in time: {best.level} is as exact in {short_time(best.time_s)} s"
         on = "on the front" if ratio <= NOISE else off
@@ -196,7 +196,7 @@ def _default_sentences(found: Sequence[Point]) -> list[str]:
 
 def growing(found: Sequence[Point]) -> list[Point]:
     """Undisturbed bodies of the actuator on two ranks, the smallest first."""
-    of = [p for p in found if p.scene == body_name(ACTUATOR) and p.rung == "full3d" and p.level.endswith("warm 2x1")]
+    of = [p for p in found if p.scene == body_name(ACTUATOR) and p.model == "full3d" and p.level.endswith("warm 2x1")]
     return sorted((p for p in of if p.status == "reached" and not p.disturbed), key=lambda p: p.unknowns)
 
 
@@ -293,15 +293,15 @@ def _strategies(found: Sequence[Point]) -> Table:
         if p.is_peer:
             continue
         element, level, _, ranks = p.level.split()
-        groups.setdefault((p.scene, p.rung, element, level, ranks), []).append(p)
+        groups.setdefault((p.scene, p.model, element, level, ranks), []).append(p)
     lines = []
-    for (scene, rung, element, level, _), of in groups.items():
+    for (scene, model, element, level, _), of in groups.items():
         if len(of) < 2:
             continue
         lines += [
             (
                 scene,
-                f"{rung_label(rung)} {element} {level}",
+                f"{model_label(model)} {element} {level}",
                 p.level.split()[2],
                 _size(p.factorisations),
                 short_time(p.work_s),
@@ -318,15 +318,15 @@ def _batches(rows: Sequence[Row]) -> dict[str, dict[str, float]]:
     found: dict[str, dict[str, float]] = {}
     for r in rows:
         if r.quantity == FARMING and r.status == "reached":
-            found.setdefault(r.rung, {})[r.level] = r.value
-    return {rung: of for rung, of in found.items() if len(of) == 2}
+            found.setdefault(r.model, {})[r.level] = r.value
+    return {model: of for model, of in found.items() if len(of) == 2}
 
 
 def _farming_sentences(rows: Sequence[Row]) -> list[str]:
     return [
-        f"Four actuators, {rung_label(rung)}: farming (a rank each, two side by side) takes {short_time(farmed)} s, "
+        f"Four actuators, {model_label(model)}: farming (a rank each, two side by side) takes {short_time(farmed)} s, "
         f"splitting (two ranks, one after the other) {short_time(split)} s: {split / farmed:.2f} times as long."
-        for rung, (farmed, split) in ((rung, _both(of)) for rung, of in _batches(rows).items())
+        for model, (farmed, split) in ((model, _both(of)) for model, of in _batches(rows).items())
     ]
 
 
@@ -337,16 +337,16 @@ def _both(of: Mapping[str, float]) -> tuple[float, float]:
 
 def _farming(rows: Sequence[Row]) -> Table:
     lines = []
-    for rung, of in _batches(rows).items():
+    for model, of in _batches(rows).items():
         farmed, split = _both(of)
-        lines.append((rung_label(rung), short_time(farmed), short_time(split), f"{split / farmed:.2f}"))
+        lines.append((model_label(model), short_time(farmed), short_time(split), f"{split / farmed:.2f}"))
     header = ("four actuators to 20 kPa", "farming: 1 rank per scene, s", "splitting: 2 ranks per scene, s", "ratio")
     return Table(header, tuple(lines))
 
 
 def _compilation(rows: Sequence[Row]) -> Table:
     first = [r for r in rows if r.quantity == "compile_s"]
-    lines = [(r.scene, f"{rung_label(r.rung)} {r.level}", short_time(r.value)) for r in first]
+    lines = [(r.scene, f"{model_label(r.model)} {r.level}", short_time(r.value)) for r in first]
     return Table(("body", "run", "longer by, s"), tuple(lines), (0, 1))
 
 

@@ -35,7 +35,7 @@ class Reference:
 
 def reference_of(body: str, measured: Mapping[Cell, Measurement]) -> Reference:
     """The exact answer, or the limit of the three finest meridians of the cells that were refined most."""
-    cells = [c for c in measured if c.body == body and c.rung == "axisymmetric" and c.strategy == "auto"]
+    cells = [c for c in measured if c.body == body and c.model == "axisymmetric" and c.strategy == "auto"]
     some = next((c for c in measured if c.body == body), None)
     if some is None:
         return Reference(math.nan, math.nan, "")
@@ -72,13 +72,13 @@ def measured_rows(measured: Mapping[Cell, Measurement]) -> list[Row]:
             status: str = found.status,
             pressure: float = found.pressure_kpa,
         ) -> None:
-            rows.append(row(name, quantity, unit, pressure, cell.rung, value, cell.name, status=status))
+            rows.append(row(name, quantity, unit, pressure, cell.model, value, cell.name, status=status))
 
         quantity = "bore_mm" if cell.body == TUBE else "tip_mm"
         spread = 0.01 * of.uncertainty_percent * abs(of.value)
         at = found.pressure_kpa
         rows.append(
-            row(name, quantity, "mm", at, cell.rung, found.value, cell.name, spread, of.value, of.source, found.status)
+            row(name, quantity, "mm", at, cell.model, found.value, cell.name, spread, of.value, of.source, found.status)
         )
         for cost, unit in COSTS.items():
             add(cost, unit, float(getattr(found, cost)))
@@ -92,11 +92,11 @@ def measured_rows(measured: Mapping[Cell, Measurement]) -> list[Row]:
     return rows
 
 
-def farming_rows(scene: str, rung: str, ranks_per_scene: int, found: Measurement) -> list[Row]:
+def farming_rows(scene: str, model: str, ranks_per_scene: int, found: Measurement) -> list[Row]:
     """Rows of a batch: how long, and CPU time."""
     level = f"{ranks_per_scene} rank{'s' if ranks_per_scene > 1 else ''} per scene"
     return [
-        row(scene, quantity, "s", math.nan, rung, value, level, status=found.status)
+        row(scene, quantity, "s", math.nan, model, value, level, status=found.status)
         for quantity, value in ((FARMING, found.wall_s), ("batch_cpu_s", found.cpu_s), (OTHERS, found.others_s))
     ]
 
@@ -113,7 +113,7 @@ class Point:
     Attributes
     ----------
     error_percent
-        Size of the error at the highest asked pressure, percent; NaN if it was not reached.
+        Size of the error at the highest requested pressure, percent; NaN if it was not reached.
     credited_percent
         The largest error of this and all finer meshes of the same model and cells: what is smaller is luck.
     split_s
@@ -125,7 +125,7 @@ class Point:
     """
 
     scene: str
-    rung: str
+    model: str
     level: str
     error_percent: float
     credited_percent: float
@@ -142,8 +142,8 @@ class Point:
 
     @property
     def name(self) -> str:
-        """Rung and level."""
-        return f"{self.rung} {self.level}".strip()
+        """Model and level."""
+        return f"{self.model} {self.level}".strip()
 
     @property
     def element(self) -> str:
@@ -168,17 +168,17 @@ class Point:
     @property
     def is_peer(self) -> bool:
         """True for another program's run."""
-        return self.rung.startswith("peer_")
+        return self.model.startswith("peer_")
 
 
 def points(rows: Iterable[Row]) -> list[Point]:
     """Points of all rows that tell a wall time; a peer's error is taken against the study's own reference."""
     groups: dict[tuple[str, str, str], list[Row]] = {}
     for entry in rows:
-        groups.setdefault((entry.scene, entry.rung, entry.level), []).append(entry)
+        groups.setdefault((entry.scene, entry.model, entry.level), []).append(entry)
     references = {r.scene: r.reference for of in groups.values() for r in of if _is_own_value(r)}
     found = []
-    for (scene, rung, level), of in groups.items():
+    for (scene, model, level), of in groups.items():
         numbers = {r.quantity: r.value for r in of}
         if "wall_s" not in numbers:
             continue
@@ -189,7 +189,7 @@ def points(rows: Iterable[Row]) -> list[Point]:
         found.append(
             Point(
                 scene=scene,
-                rung=rung,
+                model=model,
                 level=level,
                 error_percent=error,
                 credited_percent=error,
@@ -208,13 +208,13 @@ def _credited(point: Point, of: Sequence[Point]) -> float:
     if math.isnan(point.error_percent):
         return math.nan
     mine = ranking(point.mesh)
-    alike = [p for p in of if (p.scene, p.rung, p.element) == (point.scene, point.rung, point.element)]
+    alike = [p for p in of if (p.scene, p.model, p.element) == (point.scene, point.model, point.element)]
     finer = [p for p in alike if all(a >= b for a, b in zip(ranking(p.mesh), mine, strict=True))]
     return max(p.error_percent for p in finer if not math.isnan(p.error_percent))
 
 
 def _is_own_value(entry: Row) -> bool:
-    return entry.quantity in VALUES and not entry.rung.startswith("peer_") and not math.isnan(entry.reference)
+    return entry.quantity in VALUES and not entry.model.startswith("peer_") and not math.isnan(entry.reference)
 
 
 def floor_percent(scene: str) -> float:

@@ -65,7 +65,7 @@ class Costs:
 
 @dataclass(frozen=True)
 class Starts:
-    """The path to all asked pressures from warm and from cold.
+    """The path to all requested pressures from warm and from cold.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class Starts:
 
 
 def axisymmetric_states(scene: Scene) -> list[State]:
-    """States of the axisymmetric path on the coarsest level at the asked pressures; rank 0 solves."""
+    """States of the axisymmetric path on the coarsest level at the requested pressures; rank 0 solves."""
     found: list[State] | None = None
     if MPI.COMM_WORLD.rank == 0:
         problem = scene_problem(scene, scene_meridian(scene, 1), MPI.COMM_SELF)
@@ -106,7 +106,7 @@ def _body(scene: Scene, around: int) -> tuple[Problem, list[State]]:
 
 
 def measure_costs(scene: Scene, around: int = AROUND) -> Costs:
-    """Costs of one iteration at the second asked pressure of a scene."""
+    """Costs of one iteration at the second requested pressure of a scene."""
     problem, guesses = _body(scene, around)
     factor = Factor(problem)
     solve_equilibrium_at(problem, factor, guesses[1])

@@ -50,7 +50,7 @@ from studies.results.rows import Row, read_rows, write_rows
 LIMIT_S = 900.0
 # What is solved side by side, or one after the other: the four actuators at their last pressure.
 FARMED = REFERENCE_SCENES
-FARMED_RUNGS = ("axisymmetric", "full3d")
+FARMED_MODELS = ("axisymmetric", "full3d")
 
 
 @dataclass(frozen=True)
@@ -59,17 +59,17 @@ class Batch:
 
     Attributes
     ----------
-    rung
+    model
         Forced model.
     ranks_per_scene
         1: two scenes side by side; 2: one after the other, each on both cores.
     """
 
-    rung: str
+    model: str
     ranks_per_scene: int
 
 
-BATCHES = tuple(Batch(rung, ranks) for rung in FARMED_RUNGS for ranks in (1, 2))
+BATCHES = tuple(Batch(model, ranks) for model in FARMED_MODELS for ranks in (1, 2))
 
 
 def cell_key(cell: Cell) -> str:
@@ -175,7 +175,7 @@ def measure_batch(batch: Batch, texts: Sequence[str], limit_s: float = LIMIT_S) 
         for k, text in enumerate(texts):
             files.append(Path(name) / f"{k}.toml")
             files[-1].write_text(text, encoding="utf-8")
-        arguments = ["-m", "studies", "batch", *map(str, files), "--out", f"{name}/out", "--rung", batch.rung]
+        arguments = ["-m", "studies", "batch", *map(str, files), "--out", f"{name}/out", "--model", batch.model]
         arguments += ["--ranks-per-scene", str(batch.ranks_per_scene)]
         ended = run_process(launch.on_ranks(2, *arguments), launch.environment(), limit_s)
     return _costs_only(ended, "reached" if ended.code == 0 else f"failed: exit code {ended.code}")
@@ -225,10 +225,10 @@ def measure_all(folder: Path, cells: Sequence[Cell], minutes: float, say: Callab
     end = time.monotonic() + 60.0 * minutes
     texts = batch_texts()
     jobs: list[tuple[str, str, Callable[[], Measurement]]] = [
-        (f"{cell.body} {cell.rung} {cell.name}", cell_key(cell), partial(measure_cell, cell)) for cell in cells
+        (f"{cell.body} {cell.model} {cell.name}", cell_key(cell), partial(measure_cell, cell)) for cell in cells
     ]
     jobs += [
-        (f"batch {b.rung} {b.ranks_per_scene} ranks each", batch_key(b, texts), partial(measure_batch, b, texts))
+        (f"batch {b.model} {b.ranks_per_scene} ranks each", batch_key(b, texts), partial(measure_batch, b, texts))
         for b in BATCHES
     ]
     kept = {key: store.get(key) for _, key, _ in jobs}
@@ -248,7 +248,7 @@ def peer_rows(file: Path) -> list[Row]:
     """Of the peer study's rows, the other programs' and the ratios to them; none if it has not been run."""
     if not file.exists():
         return []
-    return [r for r in read_rows(file) if r.rung.startswith("peer_") or r.quantity.startswith(PEER_RATIO)]
+    return [r for r in read_rows(file) if r.model.startswith("peer_") or r.quantity.startswith(PEER_RATIO)]
 
 
 def model_rows(file: Path) -> list[Row]:
@@ -264,7 +264,7 @@ def study_rows(folder: Path, cells: Sequence[Cell]) -> list[Row]:
     batches = {b: found for b in BATCHES if (found := store.get(batch_key(b, texts))) is not None}
     rows = measured_rows(measured)
     for batch, found in batches.items():
-        rows += farming_rows(FARMED_SCENE, batch.rung, batch.ranks_per_scene, found)
+        rows += farming_rows(FARMED_SCENE, batch.model, batch.ranks_per_scene, found)
     return rows
 
 

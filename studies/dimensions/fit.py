@@ -82,7 +82,7 @@ class Quantity:
         As in rows; for people.
     pressure_kpa
         Cavity pressure; NaN where there is none.
-    rung
+    model
         The model it comes from.
     measure
         From members, m of them, to numbers of shape (m, 4).
@@ -94,7 +94,7 @@ class Quantity:
     unit: str
     label: str
     pressure_kpa: float
-    rung: str
+    model: str
     measure: Callable[[Members], FloatArray]
     per_actuator: bool = True
 
@@ -371,14 +371,14 @@ def study_rows(study: DimensionStudy, predicted: tuple[Prediction, ...]) -> list
                 q = prediction.quantity
                 if q.name != "tip_mm":
                     value = float(prediction.picks[k, j])
-                    rows.append(row(actuator.name, q.name, q.unit, q.pressure_kpa, q.rung, value))
+                    rows.append(row(actuator.name, q.name, q.unit, q.pressure_kpa, q.model, value))
             for name, mass in zip(("silicone_g", "ring_g"), study.meshed_g[k, j], strict=True):
                 rows.append(row(actuator.name, name, "g", np.nan, "axisymmetric", float(mass), "r1"))
     for prediction in predicted:
         q = prediction.quantity
         for j, short in enumerate(_SHORT):
             for level, value in zip(("least", "greatest"), extremes(prediction.members[:, j]), strict=True):
-                rows.append(row(f"all-that-fit-{short}", q.name, q.unit, q.pressure_kpa, q.rung, value, level))
+                rows.append(row(f"all-that-fit-{short}", q.name, q.unit, q.pressure_kpa, q.model, value, level))
     return rows
 
 
@@ -386,7 +386,7 @@ def _actuator_rows(actuator: PaperActuator) -> list[Row]:
     """Tip of one actuator by the three chains, and what is printed."""
     rows = []
     name, printed = actuator.name, actuator.printed
-    for rung, reading in CHAINS.items():
+    for model, reading in CHAINS.items():
         path = closed_form(actuator.dimensions, actuator.law, PRESSURES_KPA, reading)
         for p, tip, state in zip(PRESSURES_KPA, path.elongation_mm, path.state, strict=True):
             is_printed = p == PRINTED_PRESSURE_KPA
@@ -396,19 +396,19 @@ def _actuator_rows(actuator: PaperActuator) -> list[Row]:
                     "tip_mm",
                     "mm",
                     p,
-                    rung,
+                    model,
                     float(tip),
                     reference=10.0 * printed.closed_form_cm if is_printed else np.nan,
                     source=f"{SOURCE}, closed form: fitted, no validation" if is_printed else "",
                     status="past the model" if state == "past the model" else "reached",
                 )
             )
-    for rung, value_cm in (
+    for model, value_cm in (
         ("paper_closed_form", printed.closed_form_cm),
         ("paper_ansys", printed.ansys_cm),
         ("paper_experiment", printed.experiment_cm),
     ):
-        rows.append(row(name, "tip_mm", "mm", PRINTED_PRESSURE_KPA, rung, 10.0 * value_cm, source=SOURCE))
+        rows.append(row(name, "tip_mm", "mm", PRINTED_PRESSURE_KPA, model, 10.0 * value_cm, source=SOURCE))
     return rows
 
 

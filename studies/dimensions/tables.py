@@ -65,7 +65,7 @@ def fitted(study: DimensionStudy) -> Table:
     for name, of_set in zip(SET_NAMES, study.actuators, strict=True):
         for actuator in of_set:
             printed = actuator.printed
-            tips = {rung: _tip(actuator, rung) for rung in CHAINS}
+            tips = {model: _tip(actuator, model) for model in CHAINS}
             error = 100.0 * (tips["closed_form"][0] / (10.0 * printed.closed_form_cm) - 1.0)
             lines.append(
                 (
@@ -406,9 +406,9 @@ def _sentence(members: Members) -> str:
     return f"({silicones}) R_p = {crest}, R_i = {root}, e = {pitch}, n = {n}: {error} %"
 
 
-def _tip(actuator: PaperActuator, rung: str) -> tuple[float, str]:
+def _tip(actuator: PaperActuator, model: str) -> tuple[float, str]:
     """Elongation at 20 kPa, mm, and state of an actuator by a chain."""
-    path = closed_form(actuator.dimensions, actuator.law, PRINTED_PRESSURE_KPA, CHAINS[rung])
+    path = closed_form(actuator.dimensions, actuator.law, PRINTED_PRESSURE_KPA, CHAINS[model])
     return float(path.elongation_mm[0]), str(path.state[0])
 
 

@@ -69,8 +69,10 @@ class Found:
     poses: dict[float, TipPose]
 
     def tip_mm(self, pressure_kpa: float) -> float:
-        """Elongation at an asked pressure; NaN if it was not reached."""
-        asked = (r.tip_mm for r in self.run.path if r.status == "asked" and math.isclose(r.pressure_kpa, pressure_kpa))
+        """Elongation at a requested pressure; NaN if it was not reached."""
+        asked = (
+            r.tip_mm for r in self.run.path if r.status == "requested" and math.isclose(r.pressure_kpa, pressure_kpa)
+        )
         return next(asked, math.nan)
 
 
@@ -152,7 +154,9 @@ def _rows_at(item: Found, pressure: float, first: Sequence[Found]) -> list[Row]:
             row(name, f"tip_{quantity}", unit, pressure, "full3d", value, level, reference=wanted, source=why,
                 status=status)
         )  # fmt: skip
-    modes = [r.unstable_modes for r in item.run.path if r.status == "asked" and math.isclose(r.pressure_kpa, pressure)]
+    modes = [
+        r.unstable_modes for r in item.run.path if r.status == "requested" and math.isclose(r.pressure_kpa, pressure)
+    ]
     rows.append(
         row(name, "unstable_modes", "", pressure, "full3d", modes[0] if modes else math.nan, level, status=status)
     )

@@ -84,23 +84,23 @@ class Body:
     twisted: bool = False
 
 
-def body_of(scene: ExactScene, rung: str, level: str) -> Body:
+def body_of(scene: ExactScene, model: str, level: str) -> Body:
     """The mesh of a scene on a level, with its supports and its load."""
     g, fine = scene.geometry, fineness(level)
     if isinstance(g, TubeGeometry):
-        return _tube(g, rung, fine, cells_of(scene, rung))
+        return _tube(g, model, fine, cells_of(scene, model))
     if isinstance(g, SphereGeometry):
-        return _sphere(g, rung, fine, cells_of(scene, rung))
+        return _sphere(g, model, fine, cells_of(scene, model))
     if isinstance(g, RingGeometry):
         return _ring(g, fine, scene.load_kind == "dead")
     if isinstance(g, BlockGeometry):
         return _block(g, fine)
     if isinstance(g, CylinderGeometry):
-        return _cylinder(g, fine, cells_of(scene, rung))
+        return _cylinder(g, fine, cells_of(scene, model))
     if isinstance(g, CookGeometry):
         return _cook(fine)
     if isinstance(g, VentricleGeometry):
-        return _ventricle(g, rung, fine, cells_of(scene, rung))
+        return _ventricle(g, model, fine, cells_of(scene, model))
     return _user(g)
 
 
@@ -186,35 +186,35 @@ def enclosed_mm3(scene: ExactScene, load_volume_mm3: float) -> float:
 # --- bodies -------------------------------------------------------------------------------------------------
 
 
-def _tube(g: TubeGeometry, rung: str, fine: int, cells: str) -> Body:
-    refine = fine if rung == "axisymmetric" else 1
-    through = 2 * fine if rung == "axisymmetric" else max(2, fine // 4)
+def _tube(g: TubeGeometry, model: str, fine: int, cells: str) -> Body:
+    refine = fine if model == "axisymmetric" else 1
+    through = 2 * fine if model == "axisymmetric" else max(2, fine // 4)
     along = through // 2
     if g.ends == "bonded":
         wall = g.outer_radius_mm - g.inner_radius_mm
         along = min(math.ceil(2.0 * g.length_mm / wall), LONGEST_ROW) * refine
-        along = max(2, along if rung == "axisymmetric" else along * fine // 12)
+        along = max(2, along if model == "axisymmetric" else along * fine // 12)
     kind: CellKind = "quadrilaterals" if cells == "hexahedra" else "triangles"
     meridian = tube_meridian(g.inner_radius_mm, g.outer_radius_mm, g.length_mm, along, through, kind)
-    return _swept(meridian, rung, fine, g.ends)
+    return _swept(meridian, model, fine, g.ends)
 
 
-def _sphere(g: SphereGeometry, rung: str, fine: int, cells: str) -> Body:
+def _sphere(g: SphereGeometry, model: str, fine: int, cells: str) -> Body:
     kind: CellKind = "quadrilaterals" if cells == "hexahedra" else "triangles"
-    along, through = (6 * fine, 2 * fine) if rung == "axisymmetric" else (max(6, fine // 2), max(2, fine // 4))
+    along, through = (6 * fine, 2 * fine) if model == "axisymmetric" else (max(6, fine // 2), max(2, fine // 4))
     meridian = sphere_meridian(g.inner_radius_mm, g.outer_radius_mm, along, through, kind)
-    body = _swept(meridian, rung, fine, "symmetric")
+    body = _swept(meridian, model, fine, "symmetric")
     return dataclasses.replace(body, parts=2 * body.parts)
 
 
-def _swept(meridian: SolidMesh, rung: str, fine: int, ends: str) -> Body:
+def _swept(meridian: SolidMesh, model: str, fine: int, ends: str) -> Body:
     """A meridian, the quarter of its body of revolution or all of it, its ends held."""
     mesh, parts = meridian, 1
     held: list[tuple[int, int]] = []
     pinned: Held = ()
-    if rung == "axisymmetric":
+    if model == "axisymmetric":
         held.append((FACETS["axis"], 0))
-    elif rung == "sector":
+    elif model == "sector":
         mesh, parts = revolve_hexahedra(meridian, fine // 4, FULL_CIRCLE / 4), 4
         held += [(FACETS["start"], 1), (FACETS["end"], 0)]
     else:
@@ -282,15 +282,15 @@ def _cook(fine: int) -> Body:
     return Body(cook_membrane(fine), Surfaces(dead_shear=FACETS["tip"], clamped=FACETS["clamped"], held=held))
 
 
-def _ventricle(g: VentricleGeometry, rung: str, fine: int, cells: str) -> Body:
+def _ventricle(g: VentricleGeometry, model: str, fine: int, cells: str) -> Body:
     kind: CellKind = "quadrilaterals" if cells == "hexahedra" else "triangles"
-    along, through = (8 * fine, 2 * fine) if rung == "axisymmetric" else (fine, max(2, fine // 8))
+    along, through = (8 * fine, 2 * fine) if model == "axisymmetric" else (fine, max(2, fine // 8))
     inner, outer = (g.inner_across_mm, g.inner_along_mm), (g.outer_across_mm, g.outer_along_mm)
     meridian = ventricle_meridian(inner, outer, g.base_mm, along, through, kind)
     clamped, cavity = FACETS["clamped"], FACETS["cavity"]
-    if rung == "axisymmetric":
+    if model == "axisymmetric":
         return Body(meridian, Surfaces(cavity=cavity, clamped=clamped, held=((FACETS["axis"], 0),)))
-    if rung == "sector":
+    if model == "sector":
         mesh = revolve_hexahedra(meridian, fine // 4, FULL_CIRCLE / 4)
         held = ((FACETS["start"], 1), (FACETS["end"], 0))
         return Body(mesh, Surfaces(cavity=cavity, clamped=clamped, held=held), parts=4)

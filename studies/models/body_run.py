@@ -46,7 +46,7 @@ BEYOND = 1e3
 
 @dataclass(frozen=True)
 class ExactRun:
-    """A finished or stopped run, and what was measured at each asked load: quantity -> value, mm, by kPa."""
+    """A finished or stopped run, and what was measured at each requested load: quantity -> value, mm, by kPa."""
 
     run: Run
     measured: dict[float, dict[str, float]]
@@ -60,13 +60,13 @@ class _Found(Exception):
         self.memory = memory
 
 
-def exact_hash(scene: ExactScene, rung: str, level: str) -> str:
+def exact_hash(scene: ExactScene, model: str, level: str) -> str:
     """Hash of everything that decides a run's numbers."""
     physics = scene.model_dump(mode="json", exclude={"name", "ask"})
     g = scene.geometry
     if isinstance(g, MeshGeometry):
         physics["geometry"]["file"] = hashlib.sha256(Path(g.file).read_bytes()).hexdigest()
-    text = json.dumps([physics, rung, level, "limit_kpa" in scene.quantities, provenance.code_hash()], sort_keys=True)
+    text = json.dumps([physics, model, level, "limit_kpa" in scene.quantities, provenance.code_hash()], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
 
 
@@ -91,10 +91,10 @@ def run_exact(
     SolverError
         On every rank, if the run failed for another reason than its load.
     """
-    done = comm.bcast(_finished(scene, plan.rung, level, folder) if comm.rank == 0 else None)
+    done = comm.bcast(_finished(scene, plan.model, level, folder) if comm.rank == 0 else None)
     if done is not None:
         return done
-    if plan.rung != "axisymmetric":
+    if plan.model != "axisymmetric":
         return _solve(scene, plan, level, folder, comm, progress)
     answer: ExactRun | Exception | None = None
     if comm.rank == 0:
@@ -123,13 +123,13 @@ def read_exact(folder: Path, run: Run) -> ExactRun:
     return ExactRun(run, {entry.pop("pressure_kpa"): entry for entry in entries})
 
 
-def _finished(scene: ExactScene, rung: str, level: str, folder: Path) -> ExactRun | None:
-    run = finished_run(folder, exact_hash(scene, rung, level))
+def _finished(scene: ExactScene, model: str, level: str, folder: Path) -> ExactRun | None:
+    run = finished_run(folder, exact_hash(scene, model, level))
     if run is None:
         return None
-    wanted = [row.pressure_kpa for row in run.path if row.status == "asked"] if scene.ask.fields else []
-    if rung != "axisymmetric" and not all(field_file(folder, 1e-3 * p).exists() for p in wanted):
-        _write_fields(scene, rung, level, folder, run)
+    wanted = [row.pressure_kpa for row in run.path if row.status == "requested"] if scene.ask.fields else []
+    if model != "axisymmetric" and not all(field_file(folder, 1e-3 * p).exists() for p in wanted):
+        _write_fields(scene, model, level, folder, run)
     try:
         return read_exact(folder, run)
     except (OSError, ValueError, KeyError):
@@ -140,10 +140,10 @@ def _solve(
     scene: ExactScene, plan: ExactPlan, level: str, folder: Path, comm: MPI.Comm, progress: Progress
 ) -> ExactRun:
     loads = [1e-3 * p for p in scene.loads_kpa]
-    content_hash = exact_hash(scene, plan.rung, level)
+    content_hash = exact_hash(scene, plan.model, level)
     # a twist has no pressure to measure progress by
-    job = begin(scene.name, plan.rung, level, folder, content_hash, plan.skipped, progress, loads[-1] or 1.0)
-    body = body_of(scene, plan.rung, level)
+    job = begin(scene.name, plan.model, level, folder, content_hash, plan.skipped, progress, loads[-1] or 1.0)
+    body = body_of(scene, plan.model, level)
     problem = problem_of(scene, body, comm)
     factor = Factor(problem)
     log = Log(job, comm, body.mesh, lambda item: _row(scene, body, item))
@@ -180,7 +180,7 @@ def _solve(
             )
     except _Found as found:
         path = EquilibriumPath((), True, "", found.memory.rejected, Cause.REACHED, found.memory.crossing)
-    if looking and path.cause is Cause.TOO_LARGE and sum(row.status == "asked" for row in log.rows) == len(loads):
+    if looking and path.cause is Cause.TOO_LARGE and sum(row.status == "requested" for row in log.rows) == len(loads):
         path = dataclasses.replace(path, reached=True, reason="", cause=Cause.REACHED)
     run = finish(log, problem, factor, path, body.mesh, (_silicone_g(body), 0.0))
     answer: ExactRun | None = None
@@ -189,8 +189,8 @@ def _solve(
         answer = ExactRun(run, {p: {**values, **forces} for p, values in measured.items()})
         entries = [{"pressure_kpa": p, **values} for p, values in answer.measured.items()]
         write_text_atomically(folder / MEASURED_FILE, json.dumps(entries, indent=1) + "\n")
-        if scene.ask.fields and plan.rung != "axisymmetric":
-            _write_fields(scene, plan.rung, level, folder, run)
+        if scene.ask.fields and plan.model != "axisymmetric":
+            _write_fields(scene, plan.model, level, folder, run)
     answer = comm.bcast(answer)
     assert answer is not None
     return answer
@@ -246,7 +246,9 @@ def _measured(scene: ExactScene, mesh: SolidMesh, folder: Path, run: Run) -> dic
     functions = measures(scene, mesh)
     out = {}
     for row in run.path:
-        saved = load_state(folder, run.summary.content_hash, 1e-3 * row.pressure_kpa) if row.status == "asked" else None
+        saved = (
+            load_state(folder, run.summary.content_hash, 1e-3 * row.pressure_kpa) if row.status == "requested" else None
+        )
         if saved is not None:
             out[row.pressure_kpa] = {name: function(saved[0]) for name, function in functions.items()}
             if scene.geometry.kind == "mesh":
@@ -254,10 +256,10 @@ def _measured(scene: ExactScene, mesh: SolidMesh, folder: Path, run: Run) -> dic
     return out
 
 
-def _write_fields(scene: ExactScene, rung: str, level: str, folder: Path, run: Run) -> None:
+def _write_fields(scene: ExactScene, model: str, level: str, folder: Path, run: Run) -> None:
     """Write the fields of the kept states for ParaView."""
-    mesh = body_of(scene, rung, level).mesh
-    for pressure in (row.pressure_kpa for row in run.path if row.status == "asked"):
+    mesh = body_of(scene, model, level).mesh
+    for pressure in (row.pressure_kpa for row in run.path if row.status == "requested"):
         saved = load_state(folder, run.summary.content_hash, 1e-3 * pressure)
         if saved is not None:
             write_vtu(field_file(folder, 1e-3 * pressure), mesh, saved[0])

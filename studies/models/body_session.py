@@ -12,7 +12,7 @@ from mpi4py import MPI
 
 from studies.models.body_run import LIMIT_VOLUME, ExactRun, run_exact
 from studies.models.session import ROWS_FILE, SCENE_FILE
-from studies.planning.body_plan import ExactPlan, make_exact_plan, rungs_of
+from studies.planning.body_plan import ExactPlan, make_exact_plan, models_of
 from studies.planning.levels import fineness
 from studies.progress import Progress
 from studies.results.exact_answers import exact_crossing_kpa, known_value
@@ -40,7 +40,7 @@ class ExactResult:
 
     @property
     def reached(self) -> bool:
-        """True if every run reached every asked load."""
+        """True if every run reached every requested load."""
         return all(run.run.summary.status == "reached" for run in self.runs)
 
     @property
@@ -71,11 +71,11 @@ def run_exact_plan(
     for level in plan.levels:
         if plan.stop_when_met and len(runs) == 2 and _within_tolerance(scene, runs):
             break
-        runs.append(run_exact(scene, plan, level, folder / f"{plan.rung}-{level}", comm, progress))
+        runs.append(run_exact(scene, plan, level, folder / f"{plan.model}-{level}", comm, progress))
     result = ExactResult(scene, tuple(runs), tuple(exact_rows(scene, runs)))
     if comm.rank == 0:
         write_rows(folder / ROWS_FILE, result.rows)
-        source = folder / f"{plan.rung}-{runs[-1].run.summary.level}"
+        source = folder / f"{plan.model}-{runs[-1].run.summary.level}"
         for name in (PATH_FILE, SUMMARY_FILE):
             shutil.copyfile(source / name, folder / name)
     comm.barrier()
@@ -91,8 +91,8 @@ def run_all_models(scene: ExactScene, scene_text: str, folder: Path, comm: MPI.C
         Its rows are those of all models.
     """
     results = []
-    for rung in rungs_of(scene):
-        plan = make_exact_plan(scene, rung)
+    for model in models_of(scene):
+        plan = make_exact_plan(scene, model)
         results.append(run_exact_plan(scene, scene_text, plan, folder, comm, progress))
     runs = tuple(run for result in results for run in result.runs)
     rows = tuple(r for result in results for r in result.rows)
@@ -129,16 +129,16 @@ def _rows_at(scene: ExactScene, runs: Sequence[ExactRun], load: float) -> list[R
         for run, value in zip(runs, found, strict=True):
             summary = run.run.summary
             rows.append(
-                row(scene.name, quantity, UNITS.get(quantity, "mm"), load, summary.rung, value,
+                row(scene.name, quantity, UNITS.get(quantity, "mm"), load, summary.model, value,
                     summary.level, spread.uncertainty(value), reference, source, _status(run, value))
             )  # fmt: skip
     for entry in runs[-1].run.path:
-        if entry.status == "asked" and math.isclose(entry.pressure_kpa, load, rel_tol=1e-9):
+        if entry.status == "requested" and math.isclose(entry.pressure_kpa, load, rel_tol=1e-9):
             summary = runs[-1].run.summary
             for name in ("unstable_modes", "min_det_f"):
                 value = float(getattr(entry, name))
                 if not math.isnan(value):
-                    rows.append(row(scene.name, name, "1", load, summary.rung, value, summary.level))
+                    rows.append(row(scene.name, name, "1", load, summary.model, value, summary.level))
     return rows
 
 
@@ -161,12 +161,12 @@ def _crossing_rows(scene: ExactScene, runs: Sequence[ExactRun], quantity: str) -
         of_levels = spread.uncertainty(value)
         total = within if math.isnan(of_levels) else of_levels + within
         rows.append(
-            row(scene.name, quantity, "kPa", math.nan, summary.rung, value, summary.level, total, reference, source,
+            row(scene.name, quantity, "kPa", math.nan, summary.model, value, summary.level, total, reference, source,
                 status)
         )  # fmt: skip
         if crossing:
             jump = float(crossing["modes_after"]) - float(crossing["modes_before"])
-            rows.append(row(scene.name, "crossing_modes", "1", math.nan, summary.rung, jump, summary.level))
+            rows.append(row(scene.name, "crossing_modes", "1", math.nan, summary.model, jump, summary.level))
     return rows
 
 

@@ -55,7 +55,7 @@ def scene_meridian(scene: Scene, refinement: int) -> SolidMesh:
 SECTORS = {"full3d": 1, "sector": 4}
 
 
-def scene_body(meridian: SolidMesh, rung: str, around: int, core_shift_mm: float = 0.0) -> SolidMesh:
+def scene_body(meridian: SolidMesh, model: str, around: int, core_shift_mm: float = 0.0) -> SolidMesh:
     """The body, or the sector of it, made from a meridian; ``around`` counts the cells in the whole circle.
 
     Raises
@@ -63,11 +63,11 @@ def scene_body(meridian: SolidMesh, rung: str, around: int, core_shift_mm: float
     GeometryError
         If the cells do not share out to the sector, or the core is shifted in one.
     """
-    parts = SECTORS[rung]
+    parts = SECTORS[model]
     if core_shift_mm:
         if parts > 1:
             raise GeometryError("a sector of a body whose core is off the axis: take full3d")
-        return shift_core(scene_body(meridian, rung, around), meridian, core_shift_mm)
+        return shift_core(scene_body(meridian, model, around), meridian, core_shift_mm)
     if meridian.cell.name == "quadrilateral":
         if around % parts:
             raise GeometryError(f"cells round the circumference = {around}: must be a multiple of {parts} in a sector")

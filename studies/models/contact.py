@@ -157,7 +157,7 @@ class ContactWatch:
         return False
 
     def write(self, item: PathState) -> None:
-        """Add an asked state in contact to ``contact.csv``."""
+        """Add a requested state in contact to ``contact.csv``."""
         if self._problem.contact is None:
             return
         self._problem.set_state(item.state)

@@ -118,7 +118,7 @@ class SweepOutcome:
 
     @property
     def reached(self) -> bool:
-        """True if every scene that can be built reached every asked pressure."""
+        """True if every scene that can be built reached every requested pressure."""
         return self.failed == self.stopped == 0
 
 
@@ -270,14 +270,14 @@ def _refused_rows(variant: Variant) -> tuple[SweepRow, ...]:
 def _rows(
     variant: Variant, scene: Scene, rows: Sequence[Row], answer: Run | None, status: str = ""
 ) -> tuple[SweepRow, ...]:
-    """A scene's rows of the table, a row per asked pressure, from its comparison rows."""
+    """A scene's rows of the table, a row per requested pressure, from its comparison rows."""
     quantity = main_quantity(scene)
     level = "" if answer is None else answer.summary.level
     found = []
     for pressure in scene.load.pressure_kpa:
         here = [r for r in rows if r.pressure_kpa == pressure]
-        chains = {r.rung: r.value for r in here if r.quantity == quantity and r.rung.startswith("closed_form")}
-        tip = next((r for r in here if (r.quantity, r.rung, r.level) == (quantity, "axisymmetric", level)), None)
+        chains = {r.model: r.value for r in here if r.quantity == quantity and r.model.startswith("closed_form")}
+        tip = next((r for r in here if (r.quantity, r.model, r.level) == (quantity, "axisymmetric", level)), None)
         modes = next((r.value for r in here if r.quantity == "unstable_modes"), math.nan)
         value = math.nan if tip is None else tip.value
         chosen = {

@@ -12,7 +12,7 @@ from mpi4py import MPI
 
 from studies.models.session import SceneResult, run_plan
 from studies.planning.body_plan import ExactPlan, describe_exact, make_exact_plan
-from studies.planning.plan import Plan, Rung, describe, make_plan
+from studies.planning.plan import Model, Plan, describe, make_plan
 from studies.progress import Progress
 from studies.scene.bodies import AnyScene, ExactScene
 
@@ -22,22 +22,22 @@ if TYPE_CHECKING:
 AnyPlan = Plan | ExactPlan
 
 
-def plan_for(scene: AnyScene, rung: Rung | None = None) -> AnyPlan:
+def plan_for(scene: AnyScene, model: Model | None = None) -> AnyPlan:
     """The plan of a scene; see `studies.planning.plan.make_plan`.
 
     Raises
     ------
     SceneError
-        If the rung cannot be had for the scene.
+        If the model cannot be had for the scene.
     """
-    return make_exact_plan(scene, rung) if isinstance(scene, ExactScene) else make_plan(scene, rung)
+    return make_exact_plan(scene, model) if isinstance(scene, ExactScene) else make_plan(scene, model)
 
 
-def description(scene: AnyScene, rung: Rung | None = None) -> str:
+def description(scene: AnyScene, model: Model | None = None) -> str:
     """The plan of a scene as text for a terminal."""
     if isinstance(scene, ExactScene):
-        return describe_exact(scene, make_exact_plan(scene, rung))
-    return describe(scene, make_plan(scene, rung))
+        return describe_exact(scene, make_exact_plan(scene, model))
+    return describe(scene, make_plan(scene, model))
 
 
 def run(

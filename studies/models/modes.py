@@ -1,6 +1,6 @@
 """Counts of unstable modes by harmonic in a finished axisymmetric run, and where the first of each was lost.
 
-The states kept at the asked loads are counted; where a harmonic's count changes between two of them the crossing is
+The states kept at the requested loads are counted; where a harmonic's count changes between two of them the crossing is
 found by bisection. ``path.csv`` gets the counts, ``modes.json`` the crossings, and a shape is kept beside it for each.
 """
 
@@ -130,7 +130,7 @@ def is_counted(folder: Path, run: Run) -> bool:
         known, counted = record["content_hash"], record["counted_kpa"]
     except (OSError, ValueError, KeyError):
         return False
-    asked = [row for row in run.path if row.status == "asked" and row.pressure_kpa in counted]
+    asked = [row for row in run.path if row.status == "requested" and row.pressure_kpa in counted]
     return known == run.summary.content_hash and all(row.unstable_by_m for row in asked)
 
 
@@ -164,7 +164,7 @@ def count_run(
     """
     start = time.perf_counter()
     try:
-        open_rows = [row for row in run.path if row.status == "asked" and not (touching and touching(row))]
+        open_rows = [row for row in run.path if row.status == "requested" and not (touching and touching(row))]
         counts, found, shapes = _count(folder, run, open_rows, make_problem(), tip_mm, at_rest)
     except (SolverError, StepFailed) as error:
         summary = dataclasses.replace(run.summary, plan=(*_other_notes(run), f"{NOT_COUNTED}{error}"))
@@ -211,7 +211,7 @@ def _count(
     tip_mm: Callable[[State], float] | None,
     at_rest: bool,
 ) -> tuple[dict[float, tuple[int, ...]], list[FoundCrossing], dict[int, bytes]]:
-    """Counts by asked pressure (kPa), crossings, and the files of their shapes."""
+    """Counts by requested pressure (kPa), crossings, and the files of their shapes."""
     points, counts, by_pressure = [], [], {}
     if at_rest:
         points.append(PathPoint(problem.zero_state(), problem.cavity_volume(), math.nan, 0))

@@ -63,7 +63,7 @@ class Job:
     """What identifies a run while it goes on."""
 
     scene: str
-    rung: str
+    model: str
     level: str
     folder: Path
     content_hash: str
@@ -75,12 +75,12 @@ class Job:
     @property
     def label(self) -> str:
         """Scene, model and mesh."""
-        return f"{self.scene} {self.rung} {self.level}"
+        return f"{self.scene} {self.model} {self.level}"
 
 
 def begin(
     scene: str,
-    rung: str,
+    model: str,
     level: str,
     folder: Path,
     content_hash: str,
@@ -89,9 +89,9 @@ def begin(
     highest_mpa: float,
     sense: float = 1.0,
 ) -> Job:
-    """Start the clock, the memory's peak and the progress of a run whose highest asked pressure is given."""
+    """Start the clock, the memory's peak and the progress of a run whose highest requested pressure is given."""
     provenance.reset_peak_memory()
-    job = Job(scene, rung, level, folder, content_hash, tuple(notes), progress, time.perf_counter(), sense)
+    job = Job(scene, model, level, folder, content_hash, tuple(notes), progress, time.perf_counter(), sense)
     progress.begin(job.label, highest_mpa)
     return job
 
@@ -231,7 +231,7 @@ def path_row(item: PathState, tip_mm: float, tip_centre_mm: float, parts: int = 
         unstable_by_m="",
         newton_iterations=item.newton.iterations,
         wall_s=item.wall_s,
-        status="asked" if item.asked else "step",
+        status="requested" if item.asked else "step",
         bond_slip_rms_mm=item.bond_slip_mm,
     )
 
@@ -305,7 +305,7 @@ def finish(
         silicone, rings = masses
         summary = RunSummary(
             scene=job.scene,
-            rung=job.rung,
+            model=job.model,
             level=job.level,
             status="reached" if path.reached else "stopped",
             reason=ending(("vacuum: " if path.reason and job.sense < 0.0 else "") + path.reason, notes),

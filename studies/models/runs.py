@@ -1,4 +1,4 @@
-"""Runs of one scene: an axisymmetric path on one mesh, a full 3D body or a sector of it at the asked pressures.
+"""Runs of one scene: an axisymmetric path on one mesh, a full 3D body or a sector of it at the requested pressures.
 
 A run is kept in a folder of its own. After each converged step a checkpoint is written, all of it or nothing: a run
 that was killed goes on after it with the steps it would have taken, on any number of ranks, and a finished one with the
@@ -66,12 +66,12 @@ NOT_COUNTED = (
 )
 
 
-def run_hash(scene: Scene, rung: str, level: str) -> str:
+def run_hash(scene: Scene, model: str, level: str) -> str:
     """Hash of everything that decides a run's numbers; the axisymmetric model knows a centred core only."""
-    if rung == "axisymmetric":
+    if model == "axisymmetric":
         scene = without_eccentricity(scene)
     physics = scene.model_dump(mode="json", exclude={"name", "ask"})
-    text = json.dumps([physics, rung, level, provenance.code_hash()], sort_keys=True)
+    text = json.dumps([physics, model, level, provenance.code_hash()], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
 
 
@@ -82,15 +82,15 @@ def path_settings(scene: Scene) -> PathSettings:
     return PathSettings(control=scene.load.control)
 
 
-def _begin(scene: Scene, rung: str, level: str, folder: Path, notes: Sequence[str], progress: Progress) -> Job:
-    content_hash = run_hash(scene, rung, level)
+def _begin(scene: Scene, model: str, level: str, folder: Path, notes: Sequence[str], progress: Progress) -> Job:
+    content_hash = run_hash(scene, model, level)
     return begin(
-        scene.name, rung, level, folder, content_hash, notes, progress, scene.pressures_mpa[-1], scene.load.sense
+        scene.name, model, level, folder, content_hash, notes, progress, scene.pressures_mpa[-1], scene.load.sense
     )
 
 
 def run_closed_form(scene: Scene, folder: Path, comm: MPI.Comm) -> Run:
-    """The closed form at the asked pressures, written like any other run; it costs nothing, so it is not kept.
+    """The closed form at the requested pressures, written like any other run; it costs nothing, so it is not kept.
 
     Raises
     ------
@@ -117,14 +117,14 @@ def run_closed_form(scene: Scene, folder: Path, comm: MPI.Comm) -> Run:
             unstable_by_m="",
             newton_iterations=0,
             wall_s=0.0,
-            status="asked",
+            status="requested",
             bond_slip_rms_mm=unknown,
         )
         for pressure, tip, force in zip(scene.load.pressure_kpa, tips, forces, strict=True)
     )
     summary = RunSummary(
         scene=scene.name,
-        rung="closed_form",
+        model="closed_form",
         level="",
         status="reached",
         reason="",
@@ -149,7 +149,7 @@ def run_closed_form(scene: Scene, folder: Path, comm: MPI.Comm) -> Run:
 
 
 def _closed_form_tip(scene: Scene) -> tuple[list[float], list[float]]:
-    """Elongations, mm, and forces of the actuator at its tip, N, at the asked pressures."""
+    """Elongations, mm, and forces of the actuator at its tip, N, at the requested pressures."""
     dimensions, law, pressures = dimensions_of(scene), law_of(scene.material), np.array(scene.load.pressure_kpa)
     if scene.blocked:
         return [0.0] * len(pressures), held_tip(dimensions, law, pressures).tip_force_n.ravel().tolist()
@@ -168,7 +168,7 @@ def run_axisymmetric(
     folder
         Where the run is kept; what is there of the same content is used.
     modes
-        True to count the unstable modes of m = 0…6 at the asked pressures, on the meridians that are counted.
+        True to count the unstable modes of m = 0…6 at the requested pressures, on the meridians that are counted.
 
     Returns
     -------
@@ -200,7 +200,7 @@ def run_axisymmetric(
 
 
 def _has_states(folder: Path, content_hash: str, run: Run) -> bool:
-    asked = [row.pressure_kpa for row in run.path if row.status == "asked"]
+    asked = [row.pressure_kpa for row in run.path if row.status == "requested"]
     return all(load_state(folder, content_hash, 1e-3 * p) is not None for p in asked)
 
 
@@ -246,7 +246,7 @@ def _solve_axisymmetric(scene: Scene, refinement: int, folder: Path, progress: P
 
 def run_body(
     scene: Scene,
-    rung: Literal["sector", "full3d"],
+    model: Literal["sector", "full3d"],
     level: BodyLevel,
     meridian_run: Path,
     folder: Path,
@@ -254,11 +254,11 @@ def run_body(
     progress: Progress,
     plan: Sequence[str],
 ) -> Run:
-    """The body or a sector of it at the asked pressures, each from the revolved axisymmetric state; all ranks.
+    """The body or a sector of it at the requested pressures, each from the revolved axisymmetric state; all ranks.
 
     Parameters
     ----------
-    rung
+    model
         The whole body, or the quarter between two planes of symmetry.
     level
         Cells round the circumference, of the whole, and the meridian it is made from.
@@ -272,16 +272,16 @@ def run_body(
     Run
     """
     meridian_hash = run_hash(scene, "axisymmetric", f"r{level.meridian}")
-    done = comm.bcast(finished_run(folder, run_hash(scene, rung, level.name)) if comm.rank == 0 else None)
+    done = comm.bcast(finished_run(folder, run_hash(scene, model, level.name)) if comm.rank == 0 else None)
     if done is not None:
         if comm.rank == 0:
             _add_missing_fields(scene, level, folder, done)
         return done
-    job = _begin(scene, rung, level.name, folder, plan, progress)
+    job = _begin(scene, model, level.name, folder, plan, progress)
 
     # Every rank makes the mesh: it takes a second, and all need it to read and to write states.
     meridian = comm.bcast(scene_meridian(scene, level.meridian) if comm.rank == 0 else None)
-    body = scene_body(meridian, rung, level.around, core_shift_mm(scene))
+    body = scene_body(meridian, model, level.around, core_shift_mm(scene))
     guesses: list[State] = []
     for pressure in scene.pressures_mpa:
         saved = comm.bcast(load_state(meridian_run, meridian_hash, pressure) if comm.rank == 0 else None)
@@ -291,9 +291,9 @@ def run_body(
     meshed = time.perf_counter() - job.begin
     problem = scene_problem(scene, body if comm.rank == 0 else None, comm)
     problem.timer.seconds["mesh"] = meshed
-    iterative = rung == "full3d" and scene.mesh.solver == "iterative"
+    iterative = model == "full3d" and scene.mesh.solver == "iterative"
     factor = IterativeSolver(problem) if iterative else Factor(problem)
-    tip, parts = Tip(scene, body), SECTORS[rung]
+    tip, parts = Tip(scene, body), SECTORS[model]
     log = Log(
         job,
         comm,
@@ -324,7 +324,7 @@ def run_body(
         )
 
     path = follow()
-    if path.cause is Cause.OUT_OF_MEMORY and rung == "full3d" and scene.mesh.solver == "auto":
+    if path.cause is Cause.OUT_OF_MEMORY and model == "full3d" and scene.mesh.solver == "auto":
         log.notes.append(f"{path.reason}: solved iteratively from there")
         factor.close()
         factor, iterative = IterativeSolver(problem), True
@@ -338,12 +338,12 @@ def run_body(
 
 def _add_missing_fields(scene: Scene, level: BodyLevel, folder: Path, run: Run) -> None:
     """Write the fields of a finished run that was made without them."""
-    reached = [row.pressure_kpa for row in run.path if row.status == "asked"]
+    reached = [row.pressure_kpa for row in run.path if row.status == "requested"]
     missing = [p for p in reached if not field_file(folder, 1e-3 * p).exists()]
     if not scene.ask.fields or not missing:
         return
     meridian = scene_meridian(scene, level.meridian)
-    body = scene_body(meridian, run.summary.rung, level.around, core_shift_mm(scene))
+    body = scene_body(meridian, run.summary.model, level.around, core_shift_mm(scene))
     for pressure in missing:
         saved = load_state(folder, run.summary.content_hash, 1e-3 * pressure)
         if saved is not None:
@@ -354,6 +354,6 @@ def _add_missing_fields(scene: Scene, level: BodyLevel, folder: Path, run: Run) 
 def _finish(
     scene: Scene, log: Log, problem: Problem, factor: Factor, path: EquilibriumPath, meridian: SolidMesh
 ) -> Run:
-    if log.comm.rank == 0 and scene.ask.fields and log.job.rung in SECTORS:
+    if log.comm.rank == 0 and scene.ask.fields and log.job.model in SECTORS:
         write_collection(log.job.folder, scene.load.pressure_kpa)
     return finish(log, problem, factor, path, meridian, masses_g(scene, meridian))

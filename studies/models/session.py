@@ -41,13 +41,13 @@ class SceneResult:
 
     @property
     def answer(self) -> Run | None:
-        """The run whose result is the answer: the finest of the highest rung."""
+        """The run whose result is the answer: the finest of the highest model."""
         runs = self.full3d or self.sector or self.axisymmetric
         return runs[-1] if runs else None
 
     @property
     def reached(self) -> bool:
-        """True if the answer reached every asked pressure."""
+        """True if the answer reached every requested pressure."""
         return self.answer is None or self.answer.summary.status == "reached"
 
     @property
@@ -98,21 +98,21 @@ def run_plan(
         if _good_enough(scene, plan, axisymmetric):
             break
         axisymmetric += _axisymmetric_runs(scene, (level,), folder, comm, progress)
-    if scene.ask.modes and plan.rung != "full3d":  # the whole body's inertia counts them all
+    if scene.ask.modes and plan.model != "full3d":  # the whole body's inertia counts them all
         axisymmetric = _counted(scene, axisymmetric, folder, comm, progress)
     solid: dict[str, list[Run]] = {"sector": [], "full3d": []}
     if plan.around_levels:
 
-        def run(of: Scene, rung: Literal["sector", "full3d"], level: BodyLevel) -> Run:
+        def run(of: Scene, model: Literal["sector", "full3d"], level: BodyLevel) -> Run:
             base = folder / f"axisymmetric-r{level.meridian}"
-            return run_body(of, rung, level, base, folder / f"{rung}-{level.name}", comm, progress, plan.skipped)
+            return run_body(of, model, level, base, folder / f"{model}-{level.name}", comm, progress, plan.skipped)
 
         beside = scene.model_copy(update={"ask": scene.ask.model_copy(update={"fields": False})})
         solid["sector"] = [run(beside, "sector", BodyLevel(n, plan.body_levels[0])) for n in plan.sector_levels]
         meridian = good_meridian(scene, axisymmetric, plan.body_levels) or _finest(axisymmetric, plan.body_levels)
-        assert plan.rung == "sector" or plan.rung == "full3d"
-        solid[plan.rung] += [run(scene, plan.rung, BodyLevel(n, meridian)) for n in plan.around_levels]
-    if plan.rung == "closed_form":
+        assert plan.model == "sector" or plan.model == "full3d"
+        solid[plan.model] += [run(scene, plan.model, BodyLevel(n, meridian)) for n in plan.around_levels]
+    if plan.model == "closed_form":
         run_closed_form(scene, folder, comm)
     rows = scene_rows(scene, axisymmetric, **solid)
     rows += expectation_rows(scene, axisymmetric, [*solid["sector"], *solid["full3d"]])
@@ -120,7 +120,7 @@ def run_plan(
     if comm.rank == 0:
         write_rows(folder / ROWS_FILE, rows)
         if result.answer is not None:
-            source = folder / f"{result.answer.summary.rung}-{result.answer.summary.level}"
+            source = folder / f"{result.answer.summary.model}-{result.answer.summary.level}"
             for name in (PATH_FILE, SUMMARY_FILE):
                 shutil.copyfile(source / name, folder / name)
     comm.barrier()
@@ -190,7 +190,7 @@ def _finest(axisymmetric: Sequence[Run], levels: Sequence[int]) -> int:
 
 def _good_enough(scene: Scene, plan: Plan, runs: Sequence[Run]) -> bool:
     """True if no finer meridian is needed: for the tolerance, or for a body's share of it."""
-    if plan.rung == "axisymmetric":
+    if plan.model == "axisymmetric":
         return _within_tolerance(scene, runs)
     return good_meridian(scene, runs, plan.body_levels) is not None
 
@@ -198,7 +198,7 @@ def _good_enough(scene: Scene, plan: Plan, runs: Sequence[Run]) -> bool:
 def _within_tolerance(scene: Scene, runs: Sequence[Run]) -> bool:
     """True if the finest run's uncertainty from its two levels is within the scene's tolerance everywhere."""
     wanted = main_quantity(scene)
-    rows = [r for r in scene_rows(scene, runs) if r.rung == "axisymmetric" and r.quantity == wanted]
+    rows = [r for r in scene_rows(scene, runs) if r.model == "axisymmetric" and r.quantity == wanted]
     finest = [r for r in rows if r.level == runs[-1].summary.level]
     return all(r.uncertainty <= 0.01 * scene.ask.tolerance_percent * abs(r.value) for r in finest)
 
@@ -225,11 +225,11 @@ def read_scene_folder(folder: Path, current: bool = False) -> SceneResult:
     scene = load_scene(folder / SCENE_FILE)
     found = [_read_run(p.parent) for p in sorted(folder.glob(f"*-*/{SUMMARY_FILE}"))]
     if current:
-        found = [r for r in found if r.summary.content_hash == run_hash(scene, r.summary.rung, r.summary.level)]
+        found = [r for r in found if r.summary.content_hash == run_hash(scene, r.summary.model, r.summary.level)]
     runs = sorted(found, key=lambda r: ranking(r.summary.level))
-    axisymmetric = tuple(r for r in runs if r.summary.rung == "axisymmetric")
-    sector = tuple(r for r in runs if r.summary.rung == "sector")
-    full3d = tuple(r for r in runs if r.summary.rung == "full3d")
+    axisymmetric = tuple(r for r in runs if r.summary.model == "axisymmetric")
+    sector = tuple(r for r in runs if r.summary.model == "sector")
+    full3d = tuple(r for r in runs if r.summary.model == "full3d")
     rows = scene_rows(scene, axisymmetric, sector, full3d)
     rows += expectation_rows(scene, axisymmetric, [*sector, *full3d])
     return SceneResult(scene, axisymmetric, sector, full3d, tuple(rows))

@@ -23,7 +23,7 @@ _WORDS: Final = {0: "it keeps its symmetry, or twists", 1: "it bends sideways"}
 
 def write_report(folder: Path, results: Sequence[SceneModes], rows: Sequence[Row]) -> Path:
     """Write report.md and report.html into the study's folder; returns the latter."""
-    bodies = [r for r in rows if r.rung == "full3d"]
+    bodies = [r for r in rows if r.model == "full3d"]
     rings = [r for r in rows if r.scene.startswith("ring-")]
     first = next((run for result in results for run in result.runs), None)
     stamps = {
@@ -58,7 +58,7 @@ def _summary(results: Sequence[SceneModes], bodies: Sequence[Row], rings: Sequen
     stable = [r for r in results if r.reached and not any(any(counts_of(p)) for run in r.runs for p in run.path)]
     if stable:
         names = ", ".join(f"{r.model.scene.name} (to {r.model.loads_kpa[-1]:g} kPa)" for r in stable)
-        lines.append(f"Stable in m = 0…6 at every asked pressure, on both meridians: {names}.")
+        lines.append(f"Stable in m = 0…6 at every requested pressure, on both meridians: {names}.")
     for result in results:
         for found in result.crossings[-1][:1]:
             spread = next(
@@ -131,11 +131,11 @@ def _crossings(results: Sequence[SceneModes]) -> Table:
 
 
 def _counts(results: Sequence[SceneModes]) -> Table:
-    """A line per scene and asked pressure, of the finest run."""
+    """A line per scene and requested pressure, of the finest run."""
     lines = []
     for result in results:
         for entry in result.runs[-1].path:
-            if entry.status == "asked":
+            if entry.status == "requested":
                 counts = counts_of(entry)
                 shown = tuple(str(n) for n in counts) if counts else (MISSING,) * 7
                 lines.append((result.model.scene.name, f"{entry.pressure_kpa:g}", *shown))

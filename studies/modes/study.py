@@ -66,9 +66,9 @@ class SceneModes:
 
     @property
     def reached(self) -> bool:
-        """True if every run reached every asked pressure and was counted there."""
+        """True if every run reached every requested pressure and was counted there."""
         return all(
-            run.summary.status == "reached" and all(row.unstable_by_m for row in run.path if row.status == "asked")
+            run.summary.status == "reached" and all(row.unstable_by_m for row in run.path if row.status == "requested")
             for run in self.runs
         )
 
@@ -119,11 +119,13 @@ def scene_modes(model: ModesModel, text: str, out: Path, confirm: bool, progress
 
 
 def _count_rows(model: ModesModel, runs: Sequence[Run]) -> list[Row]:
-    """Unstable modes of each harmonic at each asked pressure."""
+    """Unstable modes of each harmonic at each requested pressure."""
     rows = []
     for pressure in model.loads_kpa:
         for run in runs:
-            here = [r for r in run.path if r.status == "asked" and math.isclose(r.pressure_kpa, pressure, rel_tol=1e-9)]
+            here = [
+                r for r in run.path if r.status == "requested" and math.isclose(r.pressure_kpa, pressure, rel_tol=1e-9)
+            ]
             counts = counts_of(here[0]) if here else ()
             for m in WAVES:
                 value, status = math.nan, f"stopped at {run.path[-1].pressure_kpa:.6g} kPa: {run.summary.reason}"
@@ -240,5 +242,5 @@ def confirmations(rows: Sequence[Row]) -> list[str]:
         f"{r.scene}  {r.pressure_kpa:.5g} kPa  full3d {r.level}: {r.value:g} unstable, by harmonics {r.reference:g}"
         + ("" if is_reached(r) else f" ({r.status})")
         for r in rows
-        if r.rung == "full3d"
+        if r.model == "full3d"
     ]

@@ -30,7 +30,7 @@ class Check:
 
     Attributes
     ----------
-    case, rung, pressure_kpa
+    case, model, pressure_kpa
         Whose.
     level, finer
         Meshes of the band and of the value that has to be in it.
@@ -39,7 +39,7 @@ class Check:
     """
 
     case: str
-    rung: str
+    model: str
     pressure_kpa: float
     level: str
     finer: str
@@ -96,14 +96,14 @@ def _body_checks(case: CaseResult, audit: CaseResult | None) -> list[Check]:
 
 
 def _checks(case: CaseResult, rows: Sequence[Row], run: Run, finer: Run) -> list[Check]:
-    """Bands in rows of one run against another run at every asked pressure that both reached."""
-    quantity, rung, level = main_quantity(case.result.scene), run.summary.rung, run.summary.level
+    """Bands in rows of one run against another run at every requested pressure that both reached."""
+    quantity, model, level = main_quantity(case.result.scene), run.summary.model, run.summary.level
     found = []
     for pressure in case.result.scene.load.pressure_kpa:
-        row, fine = find(rows, quantity, rung, pressure, level), tip_at(finer, pressure, quantity)
+        row, fine = find(rows, quantity, model, pressure, level), tip_at(finer, pressure, quantity)
         if row and is_known(row) and math.isfinite(row.uncertainty) and math.isfinite(fine):
             band = (row.value, row.uncertainty, fine)
-            found.append(Check(case.case.name, rung, pressure, level, finer.summary.level, *band))
+            found.append(Check(case.case.name, model, pressure, level, finer.summary.level, *band))
     return found
 
 
@@ -130,7 +130,7 @@ def misses(results: PaperResults) -> Table:
         (
             check.case,
             f"{check.pressure_kpa:g}",
-            f"{check.rung} {check.level}",
+            f"{check.model} {check.level}",
             f"{check.value:.4f} ± {up(check.band, 4)}",
             f"{check.finer}: {check.finer_value:.4f}",
             f"{abs(check.finer_value - check.value) / check.band:.2g}" if check.band else MISSING,

@@ -56,7 +56,7 @@ def _mesh_line(case: CaseResult, rigid: CaseResult | None, run: Run) -> tuple[st
         MISSING if state is None else f"{state.tip_mm:.3f}",
         _percent(change_percent(case, rigid, level, HIGHEST_KPA)),
         *map(number, found),
-        run.summary.reason or "all asked pressures reached",
+        run.summary.reason or "all requested pressures reached",
     )
 
 
@@ -90,7 +90,7 @@ def _verdict(case: CaseResult | None, rigid: CaseResult | None) -> str:
         return "cannot tell: not run"
     common = common_pressures_kpa(rigid)
     if not common:
-        return f"cannot tell: the rigid bond reaches no asked pressure on {BONDED_MESHES} meshes"
+        return f"cannot tell: the rigid bond reaches no requested pressure on {BONDED_MESHES} meshes"
     levels = [run.summary.level for run in rigid.result.axisymmetric]
     changes = {p: [abs(change_percent(case, rigid, level, p)) for level in levels] for p in common}
     worst = max(common, key=lambda p: max(changes[p]))

@@ -144,7 +144,7 @@ def _pair(actuator: PaperActuator, case: CaseResult | None, quantity: str, unit:
 
 
 def rises_with_pressure(results: PaperResults) -> Claim:
-    """That the elongation of every actuator grows from one asked pressure to the next."""
+    """That the elongation of every actuator grows from one requested pressure to the next."""
     verdicts, parts = [], []
     for name in REFERENCE_SCENES:
         rows = [tip(named(results, name), pressure_kpa=p) for p in PRESSURES_KPA]
@@ -254,13 +254,13 @@ def longest_at_highest(results: PaperResults) -> Claim:
 # --- the simulation -------------------------------------------------------------------------
 
 
-def cost_rises(results: PaperResults, rung: Literal["axisymmetric", "full3d"]) -> Claim:
+def cost_rises(results: PaperResults, model: Literal["axisymmetric", "full3d"]) -> Claim:
     """Newton iterations and wall time of every 5 kPa, the finest runs of the four actuators together."""
-    runs = [finest(getattr(case.result, rung)) for case in results.of("core")]
+    runs = [finest(getattr(case.result, model)) for case in results.of("core")]
     done = [run for run in runs if run is not None and asked_state(run) is not None]
-    label = "axisymmetric" if rung == "axisymmetric" else "full 3D"
+    label = "axisymmetric" if model == "axisymmetric" else "full 3D"
     text = f"The cost of a solution rises with the pressure: {label} runs."
-    start = " Every pressure starts from the axisymmetric state." if rung == "full3d" else ""
+    start = " Every pressure starts from the axisymmetric state." if model == "full3d" else ""
     if not done:
         return Claim(text, f"No run reached {HIGHEST_KPA:g} kPa.", UNDECIDED)
     parts = [interval_costs(run) for run in done]
@@ -277,11 +277,11 @@ def cost_rises(results: PaperResults, rung: Literal["axisymmetric", "full3d"]) -
 
 
 def interval_costs(run: Run) -> list[tuple[int, float]]:
-    """Newton iterations, and wall time (s), that a run spent between asked pressures; from rest on."""
+    """Newton iterations, and wall time (s), that a run spent between requested pressures; from rest on."""
     costs, spent = [], 0.0
     for low, high in zip((0.0, *PRESSURES_KPA), PRESSURES_KPA, strict=False):
         states = [s for s in run.path if low < s.pressure_kpa <= high * (1.0 + 1e-9)]
-        clock = max([spent, *(s.wall_s for s in states)])  # a state between may be solved after an asked one above it
+        clock = max([spent, *(s.wall_s for s in states)])  # a state between may be solved after a asked one above it
         costs.append((sum(s.newton_iterations for s in states), clock - spent))
         spent = clock
     return costs
@@ -326,7 +326,7 @@ def model_gap(results: PaperResults) -> Claim:
 
 
 def _gap(
-    results: PaperResults, text: str, said_cm: float, gaps: Sequence[float], column: Sequence[float], rung: str
+    results: PaperResults, text: str, said_cm: float, gaps: Sequence[float], column: Sequence[float], model: str
 ) -> Claim:
     """That the first gap (cm) is the largest and as said; with the gaps of our own model of the kind."""
     holds = abs(abs(gaps[0]) - said_cm) < PRINT_CM and all(abs(gap) < abs(gaps[0]) for gap in gaps[1:])
@@ -334,9 +334,9 @@ def _gap(
     percent = ", ".join(f"{100 * gap / (value - gap):+.0f}" for gap, value in zip(gaps, column, strict=True))
     ours = []
     for name, row in zip(REFERENCE_SCENES, PRINTED, strict=True):
-        found = tip(named(results, name), rung)
+        found = tip(named(results, name), model)
         ours.append(f"{0.1 * found.value - row.experiment_cm:+.1f}" if found and is_known(found) else "–")
-    label = "axisymmetric model" if rung == "axisymmetric" else "mended closed form"
+    label = "axisymmetric model" if model == "axisymmetric" else "mended closed form"
     finding = (
         f"Printed columns, test subtracted: {printed} cm ({percent} % of the test); our {label} with the inferred "
         f"dimensions: {', '.join(ours)} cm. In the order {', '.join(REFERENCE_SCENES)}."

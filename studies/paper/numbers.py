@@ -44,13 +44,13 @@ def named(results: PaperResults, name: str) -> CaseResult | None:
 
 def tip(
     case: CaseResult | None,
-    rung: str = "axisymmetric",
+    model: str = "axisymmetric",
     pressure_kpa: float = HIGHEST_KPA,
     quantity: str = TIP,
     level: str | None = None,
 ) -> Row | None:
-    """Row of a rung at a pressure (kPa), of a level or of the finest; None without the case or the row."""
-    return find(case.rows, quantity, rung, pressure_kpa, level) if case else None
+    """Row of a model at a pressure (kPa), of a level or of the finest; None without the case or the row."""
+    return find(case.rows, quantity, model, pressure_kpa, level) if case else None
 
 
 def common_levels(one: CaseResult | None, other: CaseResult | None) -> list[str]:
@@ -61,20 +61,20 @@ def common_levels(one: CaseResult | None, other: CaseResult | None) -> list[str]
     return [run.summary.level for run in reversed(one.result.axisymmetric) if run.summary.level in have]
 
 
-def measured(case: CaseResult | None, quantity: str, rung: str, pressure_kpa: float | None = None) -> Row | None:
+def measured(case: CaseResult | None, quantity: str, model: str, pressure_kpa: float | None = None) -> Row | None:
     """Finest row of what was measured in a case's states; None without it."""
-    return find(case.measured, quantity, rung, pressure_kpa) if case else None
+    return find(case.measured, quantity, model, pressure_kpa) if case else None
 
 
 def best(case: CaseResult | None, pressure_kpa: float = HIGHEST_KPA) -> Row | None:
     """Elongation (mm) of the finest full 3D run, else of the finest axisymmetric one, that reached a pressure (kPa)."""
-    rows = (tip(case, rung, pressure_kpa) for rung in ("full3d", "axisymmetric"))
+    rows = (tip(case, model, pressure_kpa) for model in ("full3d", "axisymmetric"))
     return next((row for row in rows if is_known(row)), None)
 
 
-def unfolding(results: PaperResults, base: str, rung: str) -> Row | None:
+def unfolding(results: PaperResults, base: str, model: str) -> Row | None:
     """Pressure (kPa) at which a scene's roots are unfolded; from the run to 30 kPa if that to 20 kPa ends before."""
-    rows = [measured(results.variant(base, group), "unfolding_kpa", rung) for group in ("core", "beyond")]
+    rows = [measured(results.variant(base, group), "unfolding_kpa", model) for group in ("core", "beyond")]
     return next((row for row in rows if is_known(row)), rows[1] or rows[0])
 
 
@@ -105,13 +105,13 @@ def last_kpa(run: Run) -> float:
 
 
 def asked_state(run: Run | None, pressure_kpa: float = HIGHEST_KPA) -> PathRow | None:
-    """State of a run at an asked pressure (kPa); None if it was not reached."""
-    asked = (s for s in run.path if s.status == "asked") if run else ()
+    """State of a run at a requested pressure (kPa); None if it was not reached."""
+    asked = (s for s in run.path if s.status == "requested") if run else ()
     return next((s for s in asked if math.isclose(s.pressure_kpa, pressure_kpa, rel_tol=1e-6)), None)
 
 
 def modes(run: Run | None, pressure_kpa: float = HIGHEST_KPA) -> str:
-    """Number of unstable modes at an asked pressure (kPa); a dash where it was not counted."""
+    """Number of unstable modes at a requested pressure (kPa); a dash where it was not counted."""
     state = asked_state(run, pressure_kpa)
     return MISSING if state is None or math.isnan(state.unstable_modes) else f"{state.unstable_modes:.0f}"
 

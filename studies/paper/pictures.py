@@ -74,7 +74,7 @@ def _once(path: Path, stills: Sequence[Still], draw: Callable[[Path, Sequence[St
 
 
 def _stills(case: CaseResult | None, pressures_kpa: Sequence[float] = ()) -> list[Still]:
-    """The unloaded body of the finest full 3D run, then its states, at some of the asked pressures (kPa) or at all."""
+    """The unloaded body of the finest full 3D run, then its states, at some requested pressures (kPa) or at all."""
     run = finest(case.result.full3d) if case else None
     if case is None or run is None:
         return []

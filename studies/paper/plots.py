@@ -37,7 +37,7 @@ from studies.report.plots import (
     set_pressure_axis,
     style_of,
 )
-from studies.report.tables import TIP, TIP_FORCE, rung_label
+from studies.report.tables import TIP, TIP_FORCE, model_label
 from studies.results.files import PathRow
 from studies.results.rows import FOLDED_BACK, Row
 from studies.scene.bellows import Scene
@@ -98,7 +98,7 @@ def draw_elongations(path: Path, results: PaperResults) -> str:
         bands = _draw_bands({panels[k]: cases[base] for k, base in enumerate(REFERENCE_SCENES) if base in cases})
         entries = list(legend.values())
         # beside what it belongs to
-        place = next((k for k, entry in enumerate(entries) if entry.get_label() == rung_label("axisymmetric")), 0)
+        place = next((k for k, entry in enumerate(entries) if entry.get_label() == model_label("axisymmetric")), 0)
         entries[place + 1 : place + 1] = bands
         look = {"fontsize": 8.5, "columnspacing": 1.2, "handlelength": 2.4}
         figure.legend(handles=entries, loc="outside lower center", ncols=3, frameon=False, **look)
@@ -147,7 +147,7 @@ def draw_beyond(path: Path, results: PaperResults) -> str:
             run, style = _finest(case), _ACTUATORS[base]
             assert run is not None
             label = f"{_name(case.result.scene)}: {_ending(run)}"
-            asked = [state for state in run.path if state.status == "asked"]
+            asked = [state for state in run.path if state.status == "requested"]
             top.plot(*_path(run, _tip), color=style["color"], linewidth=1.6)
             top.plot([s.pressure_kpa for s in asked], [s.tip_mm for s in asked], linestyle="none", **_dot(style))
             entries.append(Line2D([], [], label=label, **_dot(style)))
@@ -313,7 +313,7 @@ def draw_rings(path: Path, results: PaperResults) -> str:
 
 def _elongation_curves(case: CaseResult, tets: CaseResult | None) -> list[Curve]:
     """The chains, the axisymmetric path, full 3D in hexahedra and in tetrahedra, and the printed values."""
-    curves = [chain for rung in _CHAINS if (chain := _chain(case.rows, rung))]
+    curves = [chain for model in _CHAINS if (chain := _chain(case.rows, model))]
     if run := _finest(case):
         pressures, tips = _path(run, _tip)
         stopped = f"axisymmetric: {_ending(run)}" if run.summary.status != "reached" else ""
@@ -333,21 +333,21 @@ def _bodies(case: CaseResult, style: str, label: str) -> list[Curve]:
     return [Curve(style, label, pressures, tips, bars if np.isfinite(bars).any() else ())]
 
 
-def _chain(rows: Iterable[Row], rung: str, quantity: str = TIP) -> Curve | None:
+def _chain(rows: Iterable[Row], model: str, quantity: str = TIP) -> Curve | None:
     """A chain's curve from rest, up to where it folds back; None if it has no other point."""
-    kept = takewhile(lambda row: row.status != FOLDED_BACK, _series(rows, quantity, rung))
+    kept = takewhile(lambda row: row.status != FOLDED_BACK, _series(rows, quantity, model))
     points = [(row.pressure_kpa, row.value) for row in kept]
     if not points:
         return None
     pressures, values = zip(*_from_rest(points, 0.0), strict=True)
-    label = rung_label(rung) + (", to its fold-back" if rung == "closed_form_printed" else "")
-    return Curve(rung, label, pressures, values)
+    label = model_label(model) + (", to its fold-back" if model == "closed_form_printed" else "")
+    return Curve(model, label, pressures, values)
 
 
 def _printed_curves(rows: Iterable[Row]) -> list[Curve]:
     rows = list(rows)
-    found = {rung: _series(rows, TIP, rung) for rung in _PRINTED}
-    return [Curve(rung, rung_label(rung), (r[-1].pressure_kpa,), (r[-1].value,)) for rung, r in found.items() if r]
+    found = {model: _series(rows, TIP, model) for model in _PRINTED}
+    return [Curve(model, model_label(model), (r[-1].pressure_kpa,), (r[-1].value,)) for model, r in found.items() if r]
 
 
 def _draw_bands(cases: Mapping[Axes, CaseResult]) -> list[Any]:
@@ -426,12 +426,12 @@ def _draw_blocked_path(axes: Axes, run: Run) -> list[Any]:
         stable, past = [*stable, at], [at, *past]
     entries = []
     for label, part, dash in (
-        (rung_label("axisymmetric"), stable, "-"),
+        (model_label("axisymmetric"), stable, "-"),
         ("axisymmetric, past the loss of stability", past, "--"),
     ):
         if len(part) > 1:
             entries += axes.plot(*zip(*part, strict=True), label=label, linestyle=dash, **look)
-    asked = [(state.pressure_kpa, state.tip_force_n) for state in run.path if state.status == "asked"]
+    asked = [(state.pressure_kpa, state.tip_force_n) for state in run.path if state.status == "requested"]
     axes.plot(*np.reshape(asked, (-1, 2)).T, linestyle="none", **_dot({"color": look["color"], "marker": "o"}))
     _mark_end(axes, run, _force, look["color"], note=True)
     return entries
@@ -447,7 +447,9 @@ def _ring_points(results: PaperResults, base: str) -> dict[str, tuple[float, flo
     reference = RING_VARIANTS[1][1]
     if reference not in runs or len(runs) < 2:
         return {}
-    tips = {label: {s.pressure_kpa: s.tip_mm for s in run.path if s.status == "asked"} for label, run in runs.items()}
+    tips = {
+        label: {s.pressure_kpa: s.tip_mm for s in run.path if s.status == "requested"} for label, run in runs.items()
+    }
     shared = set.intersection(*(set(tip) for tip in tips.values()))
     if not shared:
         return {}
@@ -527,9 +529,9 @@ def _by_base(cases: Iterable[CaseResult]) -> dict[str, CaseResult]:
     return {case.case.base: case for case in cases}
 
 
-def _series(rows: Iterable[Row], quantity: str, rung: str) -> list[Row]:
-    """Rows of a quantity and rung that were reached, one per pressure, ascending; of the finest level, the last."""
-    found = {row.pressure_kpa: row for row in rows if row.quantity == quantity and row.rung == rung}
+def _series(rows: Iterable[Row], quantity: str, model: str) -> list[Row]:
+    """Rows of a quantity and model that were reached, one per pressure, ascending; of the finest level, the last."""
+    found = {row.pressure_kpa: row for row in rows if row.quantity == quantity and row.model == model}
     return [found[pressure] for pressure in sorted(found) if math.isfinite(found[pressure].value)]
 
 

@@ -112,7 +112,7 @@ def _report_of(case: CaseResult) -> SceneReport:
         pressures_kpa=tuple(result.scene.load.pressure_kpa),
         rows=result.rows,
         runs=tuple(run.summary for run in runs),
-        paths={f"{run.summary.rung} {run.summary.level}": list(run.path) for run in runs},
+        paths={f"{run.summary.model} {run.summary.level}": list(run.path) for run in runs},
         fields={},
         notes=(),
     )

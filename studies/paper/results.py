@@ -48,12 +48,12 @@ class PaperResults:
 
 
 def find(
-    rows: Iterable[Row], quantity: str, rung: str, pressure_kpa: float | None = None, level: str | None = None
+    rows: Iterable[Row], quantity: str, model: str, pressure_kpa: float | None = None, level: str | None = None
 ) -> Row | None:
-    """The last row of a quantity and a rung (levels ascend, so the finest) at a pressure; None if there is none."""
+    """The last row of a quantity and a model (levels ascend, so the finest) at a pressure; None if there is none."""
     found = None
     for row in rows:
-        if row.quantity == quantity and row.rung == rung and level in (None, row.level):
+        if row.quantity == quantity and row.model == model and level in (None, row.level):
             if pressure_kpa is None or abs(row.pressure_kpa - pressure_kpa) < 1e-9:
                 found = row
     return found

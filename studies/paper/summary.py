@@ -24,7 +24,7 @@ from studies.paper.results import CaseResult, PaperResults
 from studies.paper.tables import CHAINS
 from studies.paper.variant_tables import REFERENCE_RING, nearer
 from studies.paper.verdicts import HOLDS, UNDECIDED
-from studies.report.tables import MISSING, difference_percent, model_label, rung_label, signed
+from studies.report.tables import MISSING, difference_percent, model_label, run_label, signed
 from studies.results.compare import validity_notes
 from studies.results.rows import FOLDED_BACK, REACHED, Row
 
@@ -35,7 +35,7 @@ def in_short(results: PaperResults, found: Sequence[Claim]) -> tuple[str, ...]:
     """The study's answers, a sentence each; what has not been run is said to be missing."""
     return (
         _must_show(results),
-        *(_chain(results, rung) for rung in CHAINS[:3]),
+        *(_chain(results, model) for model in CHAINS[:3]),
         _printed(results, "paper_ansys", "the paper's ANSYS"),
         _printed(results, "paper_experiment", "the paper's test"),
         _sets(results),
@@ -55,22 +55,22 @@ def _must_show(results: PaperResults) -> str:
     return f"Of {len(lines)} numbers that the study must show {met} are met, {others}."
 
 
-def _chain(results: PaperResults, rung: str) -> str:
+def _chain(results: PaperResults, model: str) -> str:
     """How far a chain is from the best finite-element answer, over actuators and pressures."""
     pairs = [
-        (tip(named(results, name), rung, pressure), best(named(results, name), pressure))
+        (tip(named(results, name), model, pressure), best(named(results, name), pressure))
         for name in REFERENCE_SCENES
         for pressure in PRESSURES_KPA
     ]
-    label = rung_label(rung).capitalize()
+    label = model_label(model).capitalize()
     if any(row and row.status == FOLDED_BACK for row, _ in pairs):
         label += " (where it has not folded back)"
     return f"{label} against finite elements: {_spread(pairs)} over the actuators and pressures."
 
 
-def _printed(results: PaperResults, rung: str, label: str) -> str:
+def _printed(results: PaperResults, model: str, label: str) -> str:
     """How far the best finite-element answers are from printed numbers."""
-    pairs = [(best(named(results, name)), tip(named(results, name), rung)) for name in REFERENCE_SCENES]
+    pairs = [(best(named(results, name)), tip(named(results, name), model)) for name in REFERENCE_SCENES]
     return f"Finite elements against {label} at {HIGHEST_KPA:g} kPa: {_spread(pairs)}."
 
 
@@ -157,7 +157,7 @@ def stops(results: PaperResults) -> tuple[str, ...]:
         result = case.result
         for run in (*result.axisymmetric, *result.sector, *result.full3d):
             if run.summary.status != REACHED:
-                label = f"{model_label(run.summary.rung, run.summary.level)} at {last_kpa(run):.4g} kPa"
+                label = f"{run_label(run.summary.model, run.summary.level)} at {last_kpa(run):.4g} kPa"
                 found.setdefault(run.summary.reason, []).append(label)
         sentences += [f"{case.case.name}, {', '.join(labels)}: {why}" for why, labels in found.items()]
         if not (result.axisymmetric or result.sector or result.full3d):

@@ -24,7 +24,7 @@ from studies.paper.numbers import (
     unfolding,
 )
 from studies.paper.results import CaseResult, PaperResults
-from studies.report.tables import MISSING, Table, difference_percent, rung_label, signed, value_text
+from studies.report.tables import MISSING, Table, difference_percent, model_label, signed, value_text
 from studies.results.rows import REACHED, Row
 
 CHAINS: Final = ("closed_form", "closed_form_printed", "closed_form_balanced", "closed_form_seat")
@@ -57,26 +57,26 @@ def answers(results: PaperResults) -> Table:
             (
                 actuator.name,
                 SILICONES[actuator.silicone],
-                *(value_text(tip(case, rung)) for rung in CHAINS[:3]),
-                *(value_text(tip(of, rung)) for of, rung in _solved(case, tets)),
-                *(value_text(tip(case, rung)) for rung in PRINTED),
+                *(value_text(tip(case, model)) for model in CHAINS[:3]),
+                *(value_text(tip(of, model)) for of, model in _solved(case, tets)),
+                *(value_text(tip(case, model)) for model in PRINTED),
                 " / ".join(counts),
             )
         )
     header: tuple[str, ...] = (
         "actuator",
         "silicone, inferred",
-        *map(rung_label, CHAINS[:3]),
+        *map(model_label, CHAINS[:3]),
         "axisymmetric",
         "full 3D",
         TETS,
     )
-    header += (*map(rung_label, PRINTED), "unstable modes: axisymmetric / full 3D / tetrahedra")
+    header += (*map(model_label, PRINTED), "unstable modes: axisymmetric / full 3D / tetrahedra")
     return Table(header, tuple(lines), left=(0, 1))
 
 
 def _solved(case: CaseResult | None, tets: CaseResult | None) -> tuple[tuple[CaseResult | None, str], ...]:
-    """Where each finite-element answer of an actuator is: its case and rung."""
+    """Where each finite-element answer of an actuator is: its case and model."""
     return (case, "axisymmetric"), (case, "full3d"), (tets, "full3d")
 
 
@@ -87,11 +87,11 @@ def closed_form_errors(results: PaperResults) -> Table:
         case = named(results, actuator.name)
         for pressure in PRESSURES_KPA:
             reference = best(case, pressure)
-            model = rung_label(reference.rung) if reference else MISSING
-            chains = (_error(tip(case, rung, pressure), reference) for rung in CHAINS)
+            model = model_label(reference.model) if reference else MISSING
+            chains = (_error(tip(case, model, pressure), reference) for model in CHAINS)
             lines.append((actuator.name, f"{pressure:g}", model, value_text(reference), *chains))
     header: tuple[str, ...] = ("actuator", "pressure, kPa", "finite elements", "elongation, mm")
-    header += tuple(f"{rung_label(rung)}, mm (%)" for rung in CHAINS)
+    header += tuple(f"{model_label(model)}, mm (%)" for model in CHAINS)
     return Table(header, tuple(lines), left=(0, 2))
 
 
@@ -109,7 +109,7 @@ def model_errors(results: PaperResults) -> Table:
         case, tets = named(results, actuator.name), results.variant(actuator.name, "tets")
         for pressure in PRESSURES_KPA:
             solid = tip(case, "full3d", pressure)
-            found = [tip(of, rung, pressure) for of, rung in _solved(case, tets)]
+            found = [tip(of, model, pressure) for of, model in _solved(case, tets)]
             sector = tip(case, "sector", pressure)
             lines.append(
                 (
@@ -163,8 +163,8 @@ def mean_errors(results: PaperResults) -> Table:
     lines = []
     for label, rows in found.items():
         cells: list[str] = []
-        for rung in ("paper_ansys", "paper_experiment"):
-            pairs = [(row, reference) for row, case in rows if (reference := tip(case, rung))]
+        for model in ("paper_ansys", "paper_experiment"):
+            pairs = [(row, reference) for row, case in rows if (reference := tip(case, model))]
             gaps = [abs(row.value - reference.value) for row, reference in pairs]
             shares = [abs(difference_percent(row.value, reference.value)) for row, reference in pairs]
             cells += [_mean(gaps), _mean(shares)]
@@ -180,9 +180,11 @@ def _mean(values: Sequence[float]) -> str:
 def _models(results: PaperResults, actuator: PaperActuator) -> list[tuple[str, Row | None, CaseResult | None]]:
     """Every model's row at 20 kPa, the paper's own models among them, and the case that has the printed rows."""
     case, tets = named(results, actuator.name), results.variant(actuator.name, "tets")
-    models = [(rung_label(rung), tip(case, rung), case) for rung in ("paper_closed_form", "paper_ansys", *CHAINS[:3])]
+    models = [
+        (model_label(model), tip(case, model), case) for model in ("paper_closed_form", "paper_ansys", *CHAINS[:3])
+    ]
     solved = zip(("axisymmetric", "full 3D", TETS), _solved(case, tets), strict=True)
-    return models + [(label, tip(of, rung), case) for label, (of, rung) in solved]
+    return models + [(label, tip(of, model), case) for label, (of, model) in solved]
 
 
 def assumptions(results: PaperResults) -> Table:

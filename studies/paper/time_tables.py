@@ -45,7 +45,7 @@ def _models(results: PaperResults) -> dict[str, list[RunSummary]]:
     found: dict[str, list[RunSummary]] = {"axisymmetric": [], "sector": [], "full 3D": [], TETS: []}
     for case in results.cases:
         for run in _runs(case):
-            label = {"axisymmetric": "axisymmetric", "sector": "sector"}.get(run.summary.rung, "full 3D")
+            label = {"axisymmetric": "axisymmetric", "sector": "sector"}.get(run.summary.model, "full 3D")
             found[TETS if label == "full 3D" and case.case.group == "tets" else label].append(run.summary)
     return found
 
@@ -69,10 +69,10 @@ def _finest_runs(results: PaperResults) -> dict[str, RunSummary]:
         case, tets = named(results, name), results.variant(name, "tets")
         solved: Iterable[tuple[str, CaseResult | None]]
         solved = (("axisymmetric", case), ("sector", case), ("full3d", case), ("full3d", tets))
-        for rung, of in solved:
-            run = finest(getattr(of.result, rung)) if of else None
+        for model, of in solved:
+            run = finest(getattr(of.result, model)) if of else None
             if run is not None:
-                label = TETS if of is tets else rung.replace("full3d", "full 3D")
+                label = TETS if of is tets else model.replace("full3d", "full 3D")
                 found[f"{name}, {label} {run.summary.level}"] = run.summary
     return found
 

@@ -33,7 +33,7 @@ from studies.report.tables import (
     Table,
     count,
     difference_percent,
-    model_label,
+    run_label,
     short_time,
     value_text,
 )
@@ -230,9 +230,9 @@ def beyond(results: PaperResults) -> Table:
             lines.append(
                 (
                     case.case.base,
-                    model_label(run.summary.rung, run.summary.level),
+                    run_label(run.summary.model, run.summary.level),
                     f"{last_kpa(run):.4g}",
-                    run.summary.reason or "all asked pressures reached",
+                    run.summary.reason or "all requested pressures reached",
                     unstable(run),
                     _closest(run),
                 )

@@ -61,7 +61,7 @@ class Attempt:
     level
         The peer's mesh; None for ours.
     options
-        The script's options; of ours: rung, element, rings, tolerance, ranks.
+        The script's options; of ours: model, element, rings, tolerance, ranks.
     """
 
     code: str
@@ -161,15 +161,15 @@ def _ours() -> list[Attempt]:
     """Runs by this program of the scene."""
     found = []
     for tolerance in (1.0, 0.1):
-        axis = {"rung": "", "rings": "rigid", "element": "hex", "tolerance": tolerance, "ranks": 1}
+        axis = {"model": "", "rings": "rigid", "element": "hex", "tolerance": tolerance, "ranks": 1}
         found.append(Attempt("ours", 2, f"hex, rigid rings, tolerance {tolerance:g} %", None, axis))
-        body = {"rung": "full3d", "rings": "rigid", "element": "hex", "tolerance": tolerance}
+        body = {"model": "full3d", "rings": "rigid", "element": "hex", "tolerance": tolerance}
         for ranks in (2, 1):
             label = f"hex, rigid rings, tolerance {tolerance:g} %, {ranks} rank{'s' * (ranks - 1)}"
             found.append(Attempt("ours", 3, label, None, {**body, "ranks": ranks}))
-    tets = {"rung": "full3d", "rings": "meshed", "element": "tet", "tolerance": 1.0, "ranks": 2}
+    tets = {"model": "full3d", "rings": "meshed", "element": "tet", "tolerance": 1.0, "ranks": 2}
     found.append(Attempt("ours", 3, "tet, meshed rings, tolerance 1 %, 2 ranks", None, tets))
-    axis = {"rung": "", "rings": "meshed", "element": "tet", "tolerance": 1.0, "ranks": 1}
+    axis = {"model": "", "rings": "meshed", "element": "tet", "tolerance": 1.0, "ranks": 1}
     found.append(Attempt("ours", 2, "tet, meshed rings, tolerance 1 %", None, axis))
     return found
 
@@ -290,7 +290,7 @@ class Study:
             for trial in ("warm", "timed"):
                 out = Path(folder, trial)
                 arguments = ["-m", "studies", "solve", str(scene), "--out", str(out)]
-                arguments += ["--rung", options["rung"]] if options["rung"] else []
+                arguments += ["--model", options["model"]] if options["model"] else []
                 command = launch.on_ranks(ranks, *arguments)
                 before = _cpu_seconds()
                 code, wall, output, errors = timed(command, _environment(2 // ranks), self.limit_s)
@@ -403,9 +403,9 @@ def comparison_rows(
     measured = list(measured)
     for m in measured:
         ours = ("axisymmetric", "full3d")[m.dimension - 2]
-        rung = ours if m.code == "ours" else f"peer_{m.code}"
+        model = ours if m.code == "ours" else f"peer_{m.code}"
         status = m.reason or REACHED
-        at = (scene, pressure_kpa, rung, m.label, status)
+        at = (scene, pressure_kpa, model, m.label, status)
         rows.append(_row(at, "tip_mm", "mm", m.tip_mm, reference_mm, source))
         rows.append(_row(at, "wall_s", "s", m.wall_s))
         rows.append(_row(at, "cpu_s", "s", m.cpu_s))
@@ -458,8 +458,8 @@ def _row(
     reference: float = math.nan,
     source: str = "",
 ) -> Row:
-    scene, pressure, rung, level, status = at
-    return row(scene, quantity, unit, pressure, rung, value, level, math.nan, reference, source, status)
+    scene, pressure, model, level, status = at
+    return row(scene, quantity, unit, pressure, model, value, level, math.nan, reference, source, status)
 
 
 def _known(ratio: float) -> str:
@@ -472,7 +472,7 @@ def reference_tip(scene: Scene, out: Path) -> tuple[float, float]:
     tips = []
     for level in REFERENCE_LEVELS:
         run = run_axisymmetric(scene, level, out / f"reference-r{level}", comm, Progress(comm))
-        tips.append([state.tip_mm for state in run.path if state.status == "asked"][-1])
+        tips.append([state.tip_mm for state in run.path if state.status == "requested"][-1])
     return tips[-1], 100.0 * abs(tips[-1] / tips[-2] - 1.0)
 
 

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from meshes.user_mesh import read_user_mesh
-from studies.planning.plan import Rung
+from studies.planning.plan import Model
 from studies.scene.bodies import ExactScene
 from studies.scene.body_geometry import CylinderGeometry, MeshGeometry, TubeGeometry
 from studies.scene.sections import SceneError
 
-# Meshes of a rung, coarsest first: r refines all, n is the number of cells round the whole circle (the cube: along an
+# Meshes of a model, coarsest first: r refines all, n is the number of cells round the whole circle (the cube: along an
 # edge), which the other counts go with. docs/decisions.md has what errors they leave.
 MERIDIAN_LEVELS = ("r1", "r2", "r4")
 AROUND_LEVELS = {"hexahedra": ("n8", "n16"), "tetrahedra": ("n12", "n16")}
@@ -27,7 +27,7 @@ class ExactPlan:
 
     Attributes
     ----------
-    rung
+    model
         The model.
     levels
         Its meshes, coarsest first; the last one's result is the answer.
@@ -37,28 +37,28 @@ class ExactPlan:
         What is not computed and why, a sentence each.
     """
 
-    rung: Rung
+    model: Model
     levels: tuple[str, ...]
     stop_when_met: bool
     skipped: tuple[str, ...]
 
 
-def cells_of(scene: ExactScene, rung: str) -> str:
+def cells_of(scene: ExactScene, model: str) -> str:
     """``hexahedra`` or ``tetrahedra``; on a meridian quadrilaterals or triangles go by the same names."""
     if scene.mesh.element != "auto":
         return "hexahedra" if scene.mesh.element == "hex" else "tetrahedra"
     round_bodies = ("tube", "sphere", "ventricle")
-    return "tetrahedra" if rung == "full3d" and scene.geometry.kind in round_bodies else "hexahedra"
+    return "tetrahedra" if model == "full3d" and scene.geometry.kind in round_bodies else "hexahedra"
 
 
-def make_exact_plan(scene: ExactScene, rung: Rung | None = None) -> ExactPlan:
+def make_exact_plan(scene: ExactScene, model: Model | None = None) -> ExactPlan:
     """Choose the runs of a scene.
 
     Parameters
     ----------
     scene
         The scene.
-    rung
+    model
         Force this model; None takes the cheapest there is.
 
     Returns
@@ -68,18 +68,18 @@ def make_exact_plan(scene: ExactScene, rung: Rung | None = None) -> ExactPlan:
     Raises
     ------
     SceneError
-        If the rung cannot be had for the scene.
+        If the model cannot be had for the scene.
     """
-    allowed = rungs_of(scene)
-    chosen = rung or allowed[0]
+    allowed = models_of(scene)
+    chosen = model or allowed[0]
     if chosen not in allowed:
         why = NOT_COMPUTED if chosen == "closed_form" else f"a {scene.geometry.kind} has {', '.join(allowed)}"
-        raise SceneError(f"{scene.name}: --rung {chosen}: {why}")
+        raise SceneError(f"{scene.name}: --model {chosen}: {why}")
     if chosen == "sector" and scene.mesh.element.startswith("tet"):
         raise SceneError(f'{scene.name}: a sector is meshed in hexahedra: it needs mesh.element = "hex" or "auto"')
     kind, skipped = scene.geometry.kind, []
-    if rung is None and len(allowed) > 1:
-        skipped.append("sector and full 3D: the axisymmetric model is exact for this body (force one with --rung)")
+    if model is None and len(allowed) > 1:
+        skipped.append("sector and full 3D: the axisymmetric model is exact for this body (force one with --model)")
     if chosen == "sector":
         skipped.append("the rest of the body: the sector lies between planes of symmetry")
         skipped.append("modes that break the symmetry: a sector's count of unstable modes cannot see them")
@@ -102,7 +102,7 @@ def make_exact_plan(scene: ExactScene, rung: Rung | None = None) -> ExactPlan:
         levels = {"ring": RING_LEVELS, "block": BLOCK_LEVELS, "cook": COOK_LEVELS, "mesh": USER_LEVELS}[kind]
     if kind == "mesh":
         skipped.append("a second mesh: the discretisation's uncertainty is not known from one")
-    stop = rung is None and chosen == "axisymmetric" and len(levels) == 3
+    stop = model is None and chosen == "axisymmetric" and len(levels) == 3
     if stop:
         skipped.append(
             f"level {levels[-1]}: solved only if the first two do not hold {scene.ask.tolerance_percent:g} %"
@@ -115,14 +115,14 @@ def describe_exact(scene: ExactScene, plan: ExactPlan) -> str:
     loads = ", ".join(f"{p:g}" for p in scene.loads_kpa) + " kPa"
     if isinstance(scene.geometry, CylinderGeometry):
         loads = f"{scene.load.twist_rad_per_mm:g} rad/mm"
-    lines = [f"{scene.name}: {scene.title}", f"answer: {plan.rung}, {', '.join(scene.quantities)}"]
+    lines = [f"{scene.name}: {scene.title}", f"answer: {plan.model}, {', '.join(scene.quantities)}"]
     for level in plan.levels:
         maybe = " (only if needed)" if plan.stop_when_met and level == plan.levels[-1] else ""
-        lines.append(f"  {plan.rung.replace('full3d', 'full 3D')} {level}: path from 0 through {loads}{maybe}")
+        lines.append(f"  {plan.model.replace('full3d', 'full 3D')} {level}: path from 0 through {loads}{maybe}")
     return "\n".join([*lines, *(f"skipped: {reason}" for reason in plan.skipped)])
 
 
-def rungs_of(scene: ExactScene) -> tuple[Rung, ...]:
+def models_of(scene: ExactScene) -> tuple[Model, ...]:
     """Models a scene has, the cheapest first."""
     g = scene.geometry
     if isinstance(g, MeshGeometry):

@@ -20,7 +20,7 @@ from studies.planning.levels import BodyLevel, body_level, fineness
 from studies.scene.bellows import Scene, in_hexahedra, law_of, shape_of
 
 Cells = Literal["hex", "tet"]
-Rung = Literal["axisymmetric", "sector", "full3d"]
+Model = Literal["axisymmetric", "sector", "full3d"]
 # Meridian levels the model knows, coarsest first.
 LEVELS = (1, 2, 4)
 # The training set has no more convolutions than this.
@@ -97,7 +97,7 @@ class Choice:
         False if even this, the finest, is not.
     """
 
-    rung: Rung
+    model: Model
     level: str
     error_percent: float
     seconds: float
@@ -124,7 +124,7 @@ FITS: dict[Cells, Fit] = {
 # The larger of two 1 and 2 mm walls at 20 kPa (docs/decisions.md) and of peer-bellows (cost study).
 AROUND: dict[Cells, Around] = {"hex": Around(0.07, 8, 4.0), "tet": Around(0.2, 8, 3.4)}
 # From make study-error-model, with the rows of make study-cost.
-SECONDS: dict[tuple[Rung, Cells], Seconds] = {
+SECONDS: dict[tuple[Model, Cells], Seconds] = {
     ("axisymmetric", "hex"): Seconds(0.00604, 0.591),
     ("axisymmetric", "tet"): Seconds(0.000963, 0.831),
     ("sector", "hex"): Seconds(0.00062, 0.803),
@@ -159,62 +159,62 @@ def features(scene: Scene) -> tuple[float, ...]:
 
 
 def meridian_error_percent(scene: Scene, level: int) -> float:
-    """Predicted error that a meridian leaves at the tip, percent: the largest over the asked pressures."""
+    """Predicted error that a meridian leaves at the tip, percent: the largest over the requested pressures."""
     fit = FITS[cells_of(scene)]
     power = sum(s * (x - c) for s, x, c in zip(fit.slopes, features(scene), fit.centre, strict=True))
     return max(FLOOR_PERCENT, math.exp(fit.constants[LEVELS.index(level)] + power))
 
 
-def predicted_error_percent(scene: Scene, rung: Rung, level: str) -> float:
-    """Predicted error of a run at the tip, percent: the largest over the asked pressures.
+def predicted_error_percent(scene: Scene, model: Model, level: str) -> float:
+    """Predicted error of a run at the tip, percent: the largest over the requested pressures.
 
     Parameters
     ----------
     scene
         A bellows.
-    rung, level
+    model, level
         For instance ``axisymmetric`` and ``r2``, ``full3d`` and ``n8r2``; meridians of `LEVELS` only.
     """
-    if rung == "axisymmetric":
+    if model == "axisymmetric":
         return meridian_error_percent(scene, fineness(level))
     body = body_level(level)
     return meridian_error_percent(scene, body.meridian) + AROUND[cells_of(scene)].at(body.around)
 
 
 def checked_error_percent(cells: Cells, level: int, value_mm: Sequence[float], other_mm: Sequence[float]) -> float:
-    """Error of a level as another level of the same scene shows it, percent: the largest over the asked pressures.
+    """Error of a level as another level of the same scene shows it, percent: the largest over the requested pressures.
 
     Parameters
     ----------
     level
         Meridian level of ``value_mm``.
     value_mm, other_mm
-        Tips at the asked pressures on this level, and on the one before; of the first level, on the second. NaN where
-        one was not reached.
+        Tips at the requested pressures on this level, and on the one before; of the first level, on the second. NaN
+        where one was not reached.
     """
     ratio = FITS[cells].ratios[LEVELS.index(level)]
     pairs = [(v, o) for v, o in zip(value_mm, other_mm, strict=True) if math.isfinite(v) and math.isfinite(o) and v]
     return max([FLOOR_PERCENT, *(100.0 * ratio * abs((v - o) / v) for v, o in pairs)])
 
 
-def predicted_unknowns(scene: Scene, rung: Rung, level: str) -> float:
+def predicted_unknowns(scene: Scene, model: Model, level: str) -> float:
     """How many unknowns a run has, to some percent; meshed rings and what meets on the axis are not counted apart."""
-    body = None if rung == "axisymmetric" else body_level(level)
+    body = None if model == "axisymmetric" else body_level(level)
     refinement = fineness(level) if body is None else body.meridian
     shape, kind = shape_of(scene), _kind(scene)
     resolution = default_resolution(shape, 1, kind)
     cells = len(meridian_mesh(shape, resolution, None, kind).cells) // (1 if kind == "quadrilaterals" else 2)
     through, along = resolution.through * refinement, cells // resolution.through * refinement
-    around = 0.5 if body is None else body.around / (4 if rung == "sector" else 1)
+    around = 0.5 if body is None else body.around / (4 if model == "sector" else 1)
     displacements = (2 if body is None else 3) * (2 * through + 1) * (2 * along + 1) * 2.0 * around
     if kind == "quadrilaterals":
         return displacements + through * along * (3 if body is None else 4 * around)
     return displacements + (through + 1) * (along + 1) * (1 if body is None else around)
 
 
-def predicted_seconds(scene: Scene, rung: Rung, level: str) -> float:
+def predicted_seconds(scene: Scene, model: Model, level: str) -> float:
     """Predicted wall seconds without start and imports, two cores; of a body with its axisymmetric start."""
-    return SECONDS[rung, cells_of(scene)].at(predicted_unknowns(scene, rung, level))
+    return SECONDS[model, cells_of(scene)].at(predicted_unknowns(scene, model, level))
 
 
 def knows(scene: Scene) -> bool:
@@ -223,33 +223,33 @@ def knows(scene: Scene) -> bool:
     return plain and scene.load.sense > 0.0 and not scene.geometry.eccentricity
 
 
-def around_for(scene: Scene, rung: str) -> int:
+def around_for(scene: Scene, model: str) -> int:
     """The smallest of `ROUNDS` that leaves the circumference its share of the scene's tolerance, or the largest."""
     cells = cells_of(scene)
     allowed = AROUND_SHARE * scene.ask.tolerance_percent
-    shared_out = [n for n in ROUNDS[cells] if rung != "sector" or n % 4 == 0]  # a quarter takes a quarter of them
+    shared_out = [n for n in ROUNDS[cells] if model != "sector" or n % 4 == 0]  # a quarter takes a quarter of them
     return next((n for n in shared_out if AROUND[cells].at(n) <= allowed), shared_out[-1])
 
 
-def candidates(scene: Scene, rung: Rung) -> list[str]:
-    """Levels of a rung that may be chosen, coarsest first."""
-    if rung == "axisymmetric":
+def candidates(scene: Scene, model: Model) -> list[str]:
+    """Levels of a model that may be chosen, coarsest first."""
+    if model == "axisymmetric":
         return [f"r{level}" for level in LEVELS]
-    around = around_for(scene, rung)
+    around = around_for(scene, model)
     return [BodyLevel(around, meridian).name for meridian in LEVELS[:2]]  # bodies on r4 do not fit 24 GB
 
 
-def choose(scene: Scene, rung: Rung) -> Choice:
-    """The quickest level of a rung whose predicted error is within the scene's tolerance, or the most exact.
+def choose(scene: Scene, model: Model) -> Choice:
+    """The quickest level of a model whose predicted error is within the scene's tolerance, or the most exact.
 
     The prediction is the middle of a distribution: whoever uses the choice checks it with `checked_error_percent`.
     """
     found = []
-    for level in candidates(scene, rung):
-        error = predicted_error_percent(scene, rung, level)
-        own = error if rung == "axisymmetric" else meridian_error_percent(scene, body_level(level).meridian)
-        allowed = scene.ask.tolerance_percent * (1.0 if rung == "axisymmetric" else MERIDIAN_SHARE)
-        found.append(Choice(rung, level, error, predicted_seconds(scene, rung, level), own <= allowed))
+    for level in candidates(scene, model):
+        error = predicted_error_percent(scene, model, level)
+        own = error if model == "axisymmetric" else meridian_error_percent(scene, body_level(level).meridian)
+        allowed = scene.ask.tolerance_percent * (1.0 if model == "axisymmetric" else MERIDIAN_SHARE)
+        found.append(Choice(model, level, error, predicted_seconds(scene, model, level), own <= allowed))
     within = [choice for choice in found if choice.within]
     return min(within, key=lambda c: c.seconds) if within else min(found, key=lambda c: c.error_percent)
 
@@ -261,7 +261,7 @@ def meridians_for(choice: Choice) -> tuple[int, int]:
 
 def own_meridian(choice: Choice) -> int:
     """Meridian level of a choice, or that its body is made from."""
-    return fineness(choice.level) if choice.rung == "axisymmetric" else body_level(choice.level).meridian
+    return fineness(choice.level) if choice.model == "axisymmetric" else body_level(choice.level).meridian
 
 
 def explain(scene: Scene, choice: Choice) -> list[str]:
@@ -270,7 +270,7 @@ def explain(scene: Scene, choice: Choice) -> list[str]:
     held = "within" if choice.within else "the best there is for"
     spread = math.exp(FITS[cells_of(scene)].spread)
     lines = [
-        f"expected of {choice.rung} {choice.level}: error {choice.error_percent:.2g} % (two times of three within "
+        f"expected of {choice.model} {choice.level}: error {choice.error_percent:.2g} % (two times of three within "
         f"a factor of {spread:.1f}), {held} a tolerance of {tolerance:g} %; about {_time(choice.seconds)}"
     ]
     solved = meridians_for(choice)
@@ -281,14 +281,14 @@ def explain(scene: Scene, choice: Choice) -> list[str]:
         f"checked afterwards by axisymmetric {beside} of this scene (about {_time(seconds)}); finer meshes follow only "
         "if the check fails"
     )
-    left: list[tuple[Rung, str]] = [("axisymmetric", f"r{m}") for m in LEVELS if m not in solved]
-    left += [(choice.rung, level) for level in candidates(scene, choice.rung) if choice.rung != "axisymmetric"]
-    left += [("full3d", choose(scene, "full3d").level)] if choice.rung == "axisymmetric" else []
-    for rung, level in left:
-        if (rung, level) == (choice.rung, choice.level):
+    left: list[tuple[Model, str]] = [("axisymmetric", f"r{m}") for m in LEVELS if m not in solved]
+    left += [(choice.model, level) for level in candidates(scene, choice.model) if choice.model != "axisymmetric"]
+    left += [("full3d", choose(scene, "full3d").level)] if choice.model == "axisymmetric" else []
+    for model, level in left:
+        if (model, level) == (choice.model, choice.level):
             continue
-        error, saved = predicted_error_percent(scene, rung, level), predicted_seconds(scene, rung, level)
-        lines.append(f"skipped: {rung} {level}, expected error {error:.2g} %; saves about {_time(saved)}")
+        error, saved = predicted_error_percent(scene, model, level), predicted_seconds(scene, model, level)
+        lines.append(f"skipped: {model} {level}, expected error {error:.2g} %; saves about {_time(saved)}")
     return lines
 
 

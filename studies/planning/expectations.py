@@ -9,7 +9,7 @@ from typing import cast
 from studies.models.run_log import Run
 from studies.planning.error_model import (
     LEVELS,
-    Rung,
+    Model,
     cells_of,
     checked_error_percent,
     knows,
@@ -36,26 +36,26 @@ def expectation_rows(scene: Scene, axisymmetric: Sequence[Run], bodies: Sequence
     Returns
     -------
     list of Row
-        Errors in percent of the tip, the largest over the asked pressures; work in s, without start and imports, of all
-        runs together. None where the error model knows nothing of the scene or of the mesh, or nothing checks it.
+        Errors in percent of the tip, the largest over the requested pressures; work in s, without start and imports, of
+        all runs together. None where the error model knows nothing of the scene or of the mesh, or nothing checks it.
     """
     runs = [*axisymmetric, *bodies]
     if not knows(scene) or len(axisymmetric) < 2 or any(_meridian(run) not in LEVELS for run in runs):
         return []
     answer = runs[-1]
-    rung, level = _rung(answer), answer.summary.level
+    model, level = _model(answer), answer.summary.level
     checked = _checked_percent(scene, axisymmetric, _meridian(answer))
     if bodies:
         checked += _around_percent(scene, answer, axisymmetric)
     expected = _work_s(scene, axisymmetric, bodies)
     done = sum(run.summary.time_s["total"] for run in runs)
     found = {
-        PREDICTED_ERROR: ("%", predicted_error_percent(scene, rung, level)),
+        PREDICTED_ERROR: ("%", predicted_error_percent(scene, model, level)),
         CHECKED_ERROR: ("%", checked),
         PREDICTED_WORK: ("s", expected),
         WORK: ("s", done),
     }
-    return [row(scene.name, name, unit, math.nan, rung, value, level) for name, (unit, value) in found.items()]
+    return [row(scene.name, name, unit, math.nan, model, value, level) for name, (unit, value) in found.items()]
 
 
 def sentence(rows: Sequence[Row]) -> str:
@@ -65,18 +65,18 @@ def sentence(rows: Sequence[Row]) -> str:
         return ""
     answer = next(r for r in rows if r.quantity == PREDICTED_ERROR)
     return (
-        f"{answer.rung} {answer.level}: error predicted {found[PREDICTED_ERROR]:.2g} %, by the check "
+        f"{answer.model} {answer.level}: error predicted {found[PREDICTED_ERROR]:.2g} %, by the check "
         f"{found[CHECKED_ERROR]:.2g} %; work predicted {found[PREDICTED_WORK]:.2g} s, done {found[WORK]:.2g} s"
     )
 
 
-def _rung(run: Run) -> Rung:
-    return cast(Rung, run.summary.rung)
+def _model(run: Run) -> Model:
+    return cast(Model, run.summary.model)
 
 
 def _meridian(run: Run) -> int:
     level = run.summary.level
-    return fineness(level) if run.summary.rung == "axisymmetric" else body_level(level).meridian
+    return fineness(level) if run.summary.model == "axisymmetric" else body_level(level).meridian
 
 
 def _tips(scene: Scene, run: Run) -> list[float]:
@@ -106,4 +106,4 @@ def _work_s(scene: Scene, axisymmetric: Sequence[Run], bodies: Sequence[Run]) ->
         for run in axisymmetric
         if _meridian(run) not in within
     )
-    return total + sum(predicted_seconds(scene, _rung(run), run.summary.level) for run in bodies)
+    return total + sum(predicted_seconds(scene, _model(run), run.summary.level) for run in bodies)

@@ -42,6 +42,6 @@ def fineness(level: str) -> int:
 
 
 def ranking(level: str) -> tuple[int, int]:
-    """By what levels of a rung are put in order: refinement of the meridian, then cells round."""
+    """By what levels of a model are put in order: refinement of the meridian, then cells round."""
     numbers = {letter: int(number) for letter, number in re.findall(r"([rn])(\d+)", level)}
     return numbers.get("r", 1), numbers.get("n", 0)

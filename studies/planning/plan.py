@@ -17,8 +17,8 @@ from studies.planning.error_model import (
 from studies.scene.bellows import RING_ERROR_PERCENT, Scene, in_hexahedra
 from studies.scene.sections import SceneError
 
-Rung = Literal["closed_form", "axisymmetric", "sector", "full3d"]
-RUNGS: tuple[Rung, ...] = ("closed_form", "axisymmetric", "sector", "full3d")
+Model = Literal["closed_form", "axisymmetric", "sector", "full3d"]
+MODELS: tuple[Model, ...] = ("closed_form", "axisymmetric", "sector", "full3d")
 
 # Meridian refinements for the error estimate; a body of revolution is made from the coarsest that is good enough.
 MERIDIAN_LEVELS = (1, 2, 4)
@@ -34,7 +34,7 @@ class Plan:
 
     Attributes
     ----------
-    rung
+    model
         The model whose result is the answer.
     meridian_levels
         Refinements of the axisymmetric runs, coarsest first.
@@ -52,7 +52,7 @@ class Plan:
         The mesh that the error model proposes and what it expects of it; None where it knows nothing of the scene.
     """
 
-    rung: Rung
+    model: Model
     meridian_levels: tuple[int, ...]
     around_levels: tuple[int, ...]
     stop_when_met: bool
@@ -64,7 +64,7 @@ class Plan:
 
 def make_plan(
     scene: Scene,
-    rung: Rung | None = None,
+    model: Model | None = None,
     around: tuple[int, ...] = (),
     sectors: tuple[int, ...] = (),
     every_level: bool = False,
@@ -75,7 +75,7 @@ def make_plan(
     ----------
     scene
         The scene.
-    rung
+    model
         Force this model; None takes the cheapest whose error can be held within the scene's tolerance.
     around
         Numbers of cells round the circumference for 3D; default what the scene's tolerance needs.
@@ -91,21 +91,21 @@ def make_plan(
     Raises
     ------
     SceneError
-        If the rung cannot be had for the scene.
+        If the model cannot be had for the scene.
     """
-    if rung == "sector" and not in_hexahedra(scene):
+    if model == "sector" and not in_hexahedra(scene):
         raise SceneError(
             f'{scene.name}: a sector is meshed in hexahedra: it needs mesh.element = "hex" and rigid rings'
         )
     skipped = []
     off_axis = scene.geometry.eccentricity > 0.0
-    if off_axis and rung not in (None, "full3d"):
+    if off_axis and model not in (None, "full3d"):
         raise SceneError(
             f"{scene.name}: geometry.eccentricity = {scene.geometry.eccentricity:g} is not rotationally symmetric: it "
-            f"needs --rung full3d, not {rung}; set it to 0 for the centred core"
+            f"needs --model full3d, not {model}; set it to 0 for the centred core"
         )
-    chosen: Rung = rung or ("full3d" if off_axis else "axisymmetric")
-    if rung is None and not off_axis:
+    chosen: Model = model or ("full3d" if off_axis else "axisymmetric")
+    if model is None and not off_axis:
         skipped.append(
             "closed form: it has no vacuum"
             if scene.load.sense < 0.0
@@ -114,7 +114,7 @@ def make_plan(
         )
         skipped.append(
             "full 3D: geometry, material and load are rotationally symmetric, so the axisymmetric model "
-            "is exact for them (force it with --rung full3d)"
+            "is exact for them (force it with --model full3d)"
         )
     if off_axis:
         skipped.append(
@@ -124,10 +124,10 @@ def make_plan(
     if chosen == "closed_form" and scene.load.tip_force_n:
         raise SceneError(
             f"{scene.name}: the closed form has no force on its tip: set load.tip_force_n = 0 "
-            f"(it is {scene.load.tip_force_n:g}) or ask for --rung axisymmetric"
+            f"(it is {scene.load.tip_force_n:g}) or ask for --model axisymmetric"
         )
     if chosen == "closed_form" and scene.load.sense < 0.0:
-        raise SceneError(f"{scene.name}: the closed form has no vacuum: ask for --rung axisymmetric")
+        raise SceneError(f"{scene.name}: the closed form has no vacuum: ask for --model axisymmetric")
     if chosen == "axisymmetric" and scene.blocked and not scene.ask.modes:
         skipped.append("modes that bend the actuator sideways: a blocked one may squirm (ask.modes = true counts them)")
     if chosen == "closed_form":
@@ -143,7 +143,7 @@ def make_plan(
     watched = chosen == "axisymmetric" and scene.contact.model == "auto" and scene.rings.model in ("rigid", "none")
     skipped.append("contact: modelled from the first touch on" if watched else "contact: not modelled here")
     choice = choose(scene, chosen) if knows(scene) else None
-    stop_when_met = not every_level and (rung is None or chosen != "axisymmetric")
+    stop_when_met = not every_level and (model is None or chosen != "axisymmetric")
     levels: tuple[int, ...] = MERIDIAN_LEVELS
     if choice is not None and stop_when_met:
         levels = tuple(m for m in levels if m >= meridians_for(choice)[0])
@@ -157,7 +157,7 @@ def make_plan(
             f"more cells round the circumference than a tolerance of {scene.ask.tolerance_percent:g} % needs: a tenth "
             "of it is left to them"
         )
-    skipped.append("load steps of the 3D run: each asked pressure starts from the axisymmetric state, revolved")
+    skipped.append("load steps of the 3D run: each requested pressure starts from the axisymmetric state, revolved")
     skipped.append(
         f"finer meridians of the body than a tolerance of {scene.ask.tolerance_percent:g} % needs: "
         f"{MERIDIAN_SHARE:.0%} of it are left to the meridian, as the axisymmetric levels show it"
@@ -168,14 +168,14 @@ def make_plan(
 
 def describe(scene: Scene, plan: Plan) -> str:
     """The plan as text for a terminal."""
-    lines = [f"{scene.name}: {scene.title}", f"answer: {plan.rung}"]
+    lines = [f"{scene.name}: {scene.title}", f"answer: {plan.model}"]
     pressures = ", ".join(f"{p:g}" for p in scene.load.pressure_kpa)
     if scene.load.sense > 0.0:
         lines.append(f"  closed form at {pressures} kPa")
     for level in plan.meridian_levels:
         maybe = " (only if needed)" if plan.stop_when_met and level in plan.meridian_levels[2:] else ""
         lines.append(f"  axisymmetric, meridian level r{level}: path from 0 through {pressures} kPa{maybe}")
-    body = "a quarter in 3D" if plan.rung == "sector" else "full 3D"
+    body = "a quarter in 3D" if plan.model == "sector" else "full 3D"
     cells = "hexahedra" if in_hexahedra(scene) else "tetrahedra"
     levels = " or ".join(f"r{level}" for level in plan.body_levels)
     for around in plan.sector_levels:

@@ -83,7 +83,7 @@ def root_panel(scene: Scene, run: Run, run_folder: Path, pressure_kpa: float, la
     scene, run, run_folder
         A bellows, its run, and where that is kept.
     pressure_kpa
-        An asked pressure, kPa.
+        A requested pressure, kPa.
     label
         Text beside it; default wall and root radius.
 

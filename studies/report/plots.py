@@ -72,7 +72,7 @@ class Curve:
 
     Attributes
     ----------
-    rung, label
+    model, label
         Decides the style; what the legend says.
     pressure_kpa, tip_mm
         Points in the order they are joined; of a blocked tip the force in N.
@@ -84,7 +84,7 @@ class Curve:
         Empty, or what the legend says of the cross where the run ended; its pressure (kPa) and tip (mm).
     """
 
-    rung: str
+    model: str
     label: str
     pressure_kpa: tuple[float, ...]
     tip_mm: tuple[float, ...]
@@ -122,7 +122,7 @@ def draw_elongation(
 
 
 def draw_curves(axes: Axes, curves: Sequence[Curve], scale: float = 1.0) -> list[Any]:
-    """Draw curves on axes, each in the look of its rung; markers and lines are that much larger.
+    """Draw curves on axes, each in the look of its model; markers and lines are that much larger.
 
     Returns
     -------
@@ -132,12 +132,12 @@ def draw_curves(axes: Axes, curves: Sequence[Curve], scale: float = 1.0) -> list
     others = cycle(_OTHERS)
     entries: list[Any] = []
     for place, curve in enumerate(curves):
-        style = style_of(curve.rung) or dict(next(others))
+        style = style_of(curve.model) or dict(next(others))
         style["markersize"] = scale * {"*": 13.0, "P": 10.0}.get(style["marker"], 6.5)
         if "markerfacecolor" in style:
             style["markersize"] *= 1.6
         elif style["linestyle"] == "none":
-            style |= {"markeredgecolor": _edge(curve.rung), "markeredgewidth": 0.8}
+            style |= {"markeredgecolor": _edge(curve.model), "markeredgewidth": 0.8}
         if not curve.markers:
             style["marker"] = "none"
         entries.append(
@@ -170,7 +170,7 @@ def mark_stop(axes: Axes, at: tuple[float, float], colour: str, label: str, scal
 
 
 def set_pressure_axis(axes: Axes, asked_kpa: Sequence[float]) -> None:
-    """Limits and ticks of a pressure axis that reaches all asked pressures (kPa), and a grid behind the curves."""
+    """Limits and ticks of a pressure axis that reaches all requested pressures (kPa), and a grid behind the curves."""
     axes.set_xlim(1.04 * min(0.0, *asked_kpa), 1.04 * max(0.0, *asked_kpa))
     if len(asked_kpa) <= 8:
         axes.set_xticks([0.0, *asked_kpa])
@@ -178,9 +178,9 @@ def set_pressure_axis(axes: Axes, asked_kpa: Sequence[float]) -> None:
     axes.set_axisbelow(True)
 
 
-def style_of(rung: str) -> dict[str, Any]:
-    """Colour, dash and marker of a rung; empty if it has none of its own."""
-    return dict(_STYLES.get(rung, {}))
+def style_of(model: str) -> dict[str, Any]:
+    """Colour, dash and marker of a model; empty if it has none of its own."""
+    return dict(_STYLES.get(model, {}))
 
 
 def draw_overview(path: Path, scenes: Sequence[str], values_mm: Mapping[tuple[str, str], Sequence[float]]) -> None:
@@ -193,20 +193,20 @@ def draw_overview(path: Path, scenes: Sequence[str], values_mm: Mapping[tuple[st
     scenes
         A label per scene.
     values_mm
-        By rung and its label, one value per scene, mm; NaN is not drawn.
+        By model and its label, one value per scene, mm; NaN is not drawn.
     """
     with figure_file(path, 8.2, 1.2 + 0.55 * len(scenes)) as figure:
         axes = figure.add_subplot()
         others = cycle(_OTHERS)
-        for place, ((rung, label), values) in enumerate(values_mm.items()):
-            style = (style_of(rung) or next(others)) | {"linestyle": "none"}
+        for place, ((model, label), values) in enumerate(values_mm.items()):
+            style = (style_of(model) or next(others)) | {"linestyle": "none"}
             offset = 0.09 * (place - 0.5 * (len(values_mm) - 1))
             axes.plot(
                 values,
                 [row + offset for row in range(len(scenes))],
                 label=label,
                 markersize={"*": 13.0, "P": 10.0}.get(style["marker"], 7.5),
-                markeredgecolor=_edge(rung),
+                markeredgecolor=_edge(model),
                 markeredgewidth=0.8,
                 **style,
             )
@@ -263,9 +263,9 @@ def draw_times(path: Path, runs: Sequence[str], seconds: Mapping[str, Sequence[f
         figure.legend(loc="outside upper center", ncols=5, frameon=False, columnspacing=1.4)
 
 
-def _edge(rung: str) -> str:
+def _edge(model: str) -> str:
     """Colour round a marker: printed numbers are told from computed ones by black."""
-    return "black" if rung.startswith("paper_") else "white"
+    return "black" if model.startswith("paper_") else "white"
 
 
 @contextmanager

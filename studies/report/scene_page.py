@@ -49,7 +49,7 @@ def render(folder: Path, title: str, introduction: str, scene_folders: Sequence[
         result = read_scene_folder(scene_folder)
         runs = [*result.axisymmetric, *result.sector, *result.full3d]
         total += sum(run.summary.time_s["total"] for run in runs)
-        paths: dict[str, list[PathRow]] = {f"{run.summary.rung} {run.summary.level}": list(run.path) for run in runs}
+        paths: dict[str, list[PathRow]] = {f"{run.summary.model} {run.summary.level}": list(run.path) for run in runs}
         fields: dict[float, Path] = {}
         rings: dict[float, tuple[RingBox, ...]] = {}
         if result.full3d:

@@ -15,7 +15,7 @@ from studies.report import tables
 from studies.report.pages import duration, write_page
 from studies.report.pictures import RingBox, Still, draw_states
 from studies.report.plots import Curve, draw_elongation, draw_overview, draw_times
-from studies.report.tables import REFERENCES, TIP, TIP_FORCE, anchor_of, headline, model_label, rung_label
+from studies.report.tables import REFERENCES, TIP, TIP_FORCE, anchor_of, headline, model_label, run_label
 from studies.results.files import PATH_FILE, PathRow, RunSummary, write_path
 from studies.results.rows import Row, is_reached, write_rows
 
@@ -37,9 +37,9 @@ class SceneReport:
     runs
         Every run behind them.
     paths
-        All converged states by ``"rung level"``, for instance ``"full3d n24"``.
+        All converged states by ``"model level"``, for instance ``"full3d n24"``.
     fields
-        By asked pressure (kPa) the .vtu of the finest full 3D run; may be empty.
+        By requested pressure (kPa) the .vtu of the finest full 3D run; may be empty.
     notes
         Sentences: what was skipped and why, warnings; those that the runs' plans say too are shown once.
     rings
@@ -94,7 +94,7 @@ def write_report(
         "summary": tables.summary(scenes, [verdict(scene) for scene in scenes]),
         "overview": _draw_overview(folder, scenes),
         "compared_with_paper": any(tables.is_printed(row) for scene in scenes for row in scene.rows),
-        "levels": {rung: _levels(scenes, rung) for rung in REFERENCES},
+        "levels": {model: _levels(scenes, model) for model in REFERENCES},
         "scenes": [_scene(folder, scene) for scene in scenes],
         "provenance": tables.provenance(scenes, provenance),
         "wall": duration(wall_s),
@@ -136,7 +136,7 @@ def _scene(folder: Path, scene: SceneReport) -> dict[str, Any]:
     axis = f"{what}, {tables.unit_of(scene)}"
     draw_elongation(folder / elongation, _curves(scene), scene.pressures_kpa, axis)
     if scene.runs:
-        labels = [model_label(run.rung, run.level) for run in scene.runs]
+        labels = [run_label(run.model, run.level) for run in scene.runs]
         draw_times(folder / times, labels, tables.seconds_of(scene.runs))
     why_no_states = "no fields were kept"
     if scene.fields:
@@ -172,29 +172,29 @@ def _scene(folder: Path, scene: SceneReport) -> dict[str, Any]:
 def _curves(scene: SceneReport) -> list[Curve]:
     """The curves of the pressure-elongation plot, the references as their paths where there are any."""
     curves = []
-    for rung in tables.rungs_of(scene):
-        rows = [row for p in scene.pressures_kpa if (row := headline(scene, rung, p))]
+    for model in tables.models_of(scene):
+        rows = [row for p in scene.pressures_kpa if (row := headline(scene, model, p))]
         reached = [row for row in rows if math.isfinite(row.value)]
         points = [(row.pressure_kpa, row.value) for row in reached]
         bars = [row.uncertainty for row in reached]
         force = tables.quantity_of(scene) == TIP_FORCE
-        states = tables.finest_path(scene, rung)
+        states = tables.finest_path(scene, model)
         path = [(state.pressure_kpa, state.tip_force_n if force else state.tip_mm) for state in states]
-        if rung == "axisymmetric" and path:
+        if model == "axisymmetric" and path:
             points, bars = _from_rest(path), []
-        elif not rung.startswith("paper_") and rung != "full3d":
+        elif not model.startswith("paper_") and model != "full3d":
             points, bars = _from_rest(points), []
         stop = next((row.status for row in rows if not is_reached(row)), "")
         end = (path or _from_rest(points))[-1]
         curves.append(
             Curve(
-                rung=rung,
-                label=rung_label(rung),
+                model=model,
+                label=model_label(model),
                 pressure_kpa=tuple(pressure for pressure, _ in points),
                 tip_mm=tuple(tip for _, tip in points),
                 uncertainty_mm=tuple(bars) if any(math.isfinite(bar) for bar in bars) else (),
-                markers=not (rung == "axisymmetric" and path),
-                stopped=f"{rung_label(rung)} {tables.short_status(stop)}" if stop else "",
+                markers=not (model == "axisymmetric" and path),
+                stopped=f"{model_label(model)} {tables.short_status(stop)}" if stop else "",
                 stopped_at=end,
             )
         )
@@ -221,9 +221,9 @@ def _draw_overview(folder: Path, scenes: Sequence[SceneReport]) -> str:
     if len(scenes) < 2:
         return ""
     values: dict[tuple[str, str], list[float]] = {}
-    for rung in tables.ordered(rung for scene in scenes for rung in tables.rungs_of(scene)):
-        rows = [headline(scene, rung, max(scene.pressures_kpa)) for scene in scenes]
-        values[rung, rung_label(rung)] = [row.value if row else math.nan for row in rows]
+    for model in tables.ordered(model for scene in scenes for model in tables.models_of(scene)):
+        rows = [headline(scene, model, max(scene.pressures_kpa)) for scene in scenes]
+        values[model, model_label(model)] = [row.value if row else math.nan for row in rows]
     labels = [f"{scene.name}\n{max(scene.pressures_kpa):g} kPa" for scene in scenes]
     draw_overview(folder / "pictures/overview.png", labels, values)
     return "pictures/overview.png"
@@ -235,7 +235,7 @@ def _files(folder: Path, scene: SceneReport) -> list[tuple[str, str]]:
     for key, states in scene.paths.items():
         place = Path("paths", anchor_of(scene), key.replace(" ", "-"))
         write_path(folder / place, states)
-        files.append((f"{model_label(*tables.split_key(key))}: path", quote(str(place / PATH_FILE))))
+        files.append((f"{run_label(*tables.split_key(key))}: path", quote(str(place / PATH_FILE))))
     for pressure, vtu in sorted(scene.fields.items()):
         address = quote(os.path.relpath(vtu.resolve(), folder.resolve()))
         files.append((f"full 3D, {pressure:g} kPa: fields", address))
@@ -250,12 +250,12 @@ def _stops(scene: SceneReport) -> list[str]:
     stops = [row for row in tables.headlines(scene) if not is_reached(row)]
     found: dict[tuple[str, str], dict[str, None]] = {}
     for row in stops:
-        found.setdefault((row.rung, row.status), {})[row.level] = None
+        found.setdefault((row.model, row.status), {})[row.level] = None
     sentences = []
-    for (rung, status), levels in found.items():
-        asked = sorted({row.pressure_kpa for row in stops if (row.rung, row.status) == (rung, status)})
+    for (model, status), levels in found.items():
+        asked = sorted({row.pressure_kpa for row in stops if (row.model, row.status) == (model, status)})
         asked_text = ", ".join(f"{pressure:g}" for pressure in asked)
-        sentences.append(f"{model_label(rung, ', '.join(levels))}, asked for {asked_text} kPa: {status}")
+        sentences.append(f"{run_label(model, ', '.join(levels))}, asked for {asked_text} kPa: {status}")
     return sentences
 
 
@@ -265,7 +265,7 @@ def _instabilities(scene: SceneReport) -> list[str]:
     for key, states in scene.paths.items():
         first = next((state for state in states if state.unstable_modes > 0), None)
         if first:
-            model = model_label(*tables.split_key(key))
+            model = run_label(*tables.split_key(key))
             tip = f"{first.tip_mm:.2f} mm" if tables.unit_of(scene) == "mm" else f"{first.tip_force_n:.3f} N"
             where = f"{first.pressure_kpa:.4g} kPa and {tip}"
             sentences.append(f"{model}: first state with {first.unstable_modes:.0f} unstable at {where}")
@@ -285,5 +285,5 @@ def _notes(scene: SceneReport) -> list[str]:
 # --- levels and text ------------------------------------------------------------------------
 
 
-def _levels(scenes: Sequence[SceneReport], rung: str) -> list[str]:
-    return sorted({row.level for s in scenes for row in tables.headlines(s) if row.rung == rung}, key=ranking)
+def _levels(scenes: Sequence[SceneReport], model: str) -> list[str]:
+    return sorted({row.level for s in scenes for row in tables.headlines(s) if row.model == model}, key=ranking)

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 TIP, TIP_FORCE = "tip_mm", "tip_force_n"
 MISSING = "–"
 
-# What the report calls a rung, in the order of its columns; rungs not named here follow.
-RUNGS: Mapping[str, str] = {
+# What the report calls a model, in the order of its columns; models not named here follow.
+MODELS: Mapping[str, str] = {
     "closed_form_printed": "closed form as printed",
     "closed_form": "closed form",
     "closed_form_balanced": "closed form, balanced",
@@ -68,63 +68,69 @@ def as_text(table: Table) -> str:
 
 
 def summary(scenes: Sequence[SceneReport], verdicts: Sequence[str]) -> Table:
-    """Tip elongation (mm) or force (N) at each scene's highest asked pressure (kPa), status and verdict."""
-    rungs = ordered(rung for scene in scenes for rung in rungs_of(scene))
+    """Tip elongation (mm) or force (N) at each scene's highest requested pressure (kPa), status and verdict."""
+    models = ordered(model for scene in scenes for model in models_of(scene))
     lines = []
     for scene, verdict in zip(scenes, verdicts, strict=True):
         highest = max(scene.pressures_kpa, key=abs)
-        values = [value_text(headline(scene, rung, highest)) for rung in rungs]
+        values = [value_text(headline(scene, model, highest)) for model in models]
         link = f"[{scene.name}](#{anchor_of(scene)})"
         lines.append((link, f"{highest:g}", *values, _status(scene), verdict))
-    header = ("scene", "kPa", *map(rung_label, rungs), "status", "verdict")
+    header = ("scene", "kPa", *map(model_label, models), "status", "verdict")
     return Table(header, tuple(lines), left=(0, len(header) - 2, len(header) - 1))
 
 
 def tips(scene: SceneReport) -> Table:
-    """Tip elongation (mm) and negative modes; a line per asked pressure (kPa), a column per rung."""
-    rungs = rungs_of(scene)
-    counted = [rung for rung in RUNGS if finest_path(scene, rung)]
+    """Tip elongation (mm) and negative modes; a line per requested pressure (kPa), a column per model."""
+    models = models_of(scene)
+    counted = [model for model in MODELS if finest_path(scene, model)]
     lines = []
     for pressure in scene.pressures_kpa:
-        values = [value_text(headline(scene, rung, pressure)) for rung in rungs]
-        modes = [_modes(finest_path(scene, rung), pressure) for rung in counted]
+        values = [value_text(headline(scene, model, pressure)) for model in models]
+        modes = [_modes(finest_path(scene, model), pressure) for model in counted]
         lines.append((f"{pressure:g}", *values, *modes))
-    header = ("pressure, kPa", *map(rung_label, rungs))
-    header += tuple(f"unstable modes, {rung_label(rung)}" for rung in counted)
+    header = ("pressure, kPa", *map(model_label, models))
+    header += tuple(f"unstable modes, {model_label(model)}" for model in counted)
     return Table(header, tuple(lines), left=())
 
 
 def differences(scene: SceneReport) -> Table:
     """Differences of the tip from the best model that reached each pressure (kPa), in percent."""
-    rungs = [rung for rung in rungs_of(scene) if rung != REFERENCES[0]]
+    models = [model for model in models_of(scene) if model != REFERENCES[0]]
     lines = []
     for pressure in scene.pressures_kpa:
         reference = _reference(scene, pressure)
         if reference is None:
-            lines.append((f"{pressure:g}", *(MISSING,) * (1 + len(rungs))))
+            lines.append((f"{pressure:g}", *(MISSING,) * (1 + len(models))))
             continue
         cells = []
-        for rung in rungs:
-            row = headline(scene, rung, pressure)
-            known = row is not None and math.isfinite(row.value) and rung != reference.rung
+        for model in models:
+            row = headline(scene, model, pressure)
+            known = row is not None and math.isfinite(row.value) and model != reference.model
             cells.append(signed(difference_percent(row.value, reference.value)) if row and known else MISSING)
-        lines.append((f"{pressure:g}", rung_label(reference.rung), *cells))
-    header = ("pressure, kPa", "compared with", *map(rung_label, rungs))
+        lines.append((f"{pressure:g}", model_label(reference.model), *cells))
+    header = ("pressure, kPa", "compared with", *map(model_label, models))
     return Table(header, tuple(lines), left=(1,))
 
 
 def comparisons(scene: SceneReport) -> Table:
-    """Tip's rows (mm) whose reference is not that of `differences`; finest level of each rung."""
+    """Tip's rows (mm) whose reference is not that of `differences`; finest level of each model."""
     lines = []
-    for rung in rungs_of(scene):
+    for model in models_of(scene):
         for pressure in scene.pressures_kpa:
-            row, usual = headline(scene, rung, pressure), _reference(scene, pressure)
+            row, usual = headline(scene, model, pressure), _reference(scene, pressure)
             shown = row and usual and math.isclose(row.reference, usual.value, rel_tol=1e-6)
             if row and math.isfinite(row.reference) and not shown:
                 error = signed(row.error_percent) if math.isfinite(row.error_percent) else MISSING
-                model = model_label(rung, row.level)
                 lines.append(
-                    (model, f"{pressure:g}", value_text(row), f"{row.reference:.5g}", error, row.source or MISSING)
+                    (
+                        run_label(model, row.level),
+                        f"{pressure:g}",
+                        value_text(row),
+                        f"{row.reference:.5g}",
+                        error,
+                        row.source or MISSING,
+                    )
                 )
     unit = unit_of(scene)
     header = ("model", "pressure, kPa", f"value, {unit}", f"reference, {unit}", "error, %", "source of the reference")
@@ -134,20 +140,20 @@ def comparisons(scene: SceneReport) -> Table:
 def convergence(scene: SceneReport) -> Table:
     """Tip elongation (mm) at each level beside the level's size, so that the discretisation error is seen."""
     lines = []
-    for rung in rungs_of(scene):
-        levels = sorted({row.level for row in headlines(scene) if row.rung == rung}, key=ranking)
+    for model in models_of(scene):
+        levels = sorted({row.level for row in headlines(scene) if row.model == model}, key=ranking)
         if levels == [""]:
             continue
         for level in levels:
-            run = next((run for run in scene.runs if (run.rung, run.level) == (rung, level)), None)
+            run = next((run for run in scene.runs if (run.model, run.level) == (model, level)), None)
             size = (count(run.cells), count(run.nodes), count(run.dofs)) if run else (MISSING,) * 3
-            tips = [_level_value(scene, rung, level, pressure) for pressure in scene.pressures_kpa]
-            lines.append((model_label(rung, level), *size, *tips))
-        bounds = [headline(scene, rung, pressure) for pressure in scene.pressures_kpa]
+            tips = [_level_value(scene, model, level, pressure) for pressure in scene.pressures_kpa]
+            lines.append((run_label(model, level), *size, *tips))
+        bounds = [headline(scene, model, pressure) for pressure in scene.pressures_kpa]
         if any(row and math.isfinite(row.uncertainty) for row in bounds):
             known = (row.uncertainty if row else math.nan for row in bounds)
             texts = (MISSING if math.isnan(bound) else f"± {up(bound, 3)}" for bound in known)
-            lines.append((f"uncertainty of {model_label(rung, levels[-1])}", "", "", "", *texts))
+            lines.append((f"uncertainty of {run_label(model, levels[-1])}", "", "", "", *texts))
     header = (f"at {pressure:g} kPa, {unit_of(scene)}" for pressure in scene.pressures_kpa)
     return Table(("model", "cells", "nodes", "unknowns", *header), tuple(lines))
 
@@ -162,7 +168,7 @@ def others(scene: SceneReport) -> Table:
     sources: dict[tuple[str, str], list[str]] = {}
     for row in rows:
         unit = "" if row.unit in ("", "-", "1") else f", {row.unit}"
-        key = (f"{QUANTITIES.get(row.quantity, row.quantity)}{unit}", model_label(row.rung, row.level))
+        key = (f"{QUANTITIES.get(row.quantity, row.quantity)}{unit}", run_label(row.model, row.level))
         lines.setdefault(key, {})[f"{row.pressure_kpa:g}"] = _generic(row)
         of_line = sources.setdefault(key, [])
         if row.source and row.source not in of_line:
@@ -177,7 +183,7 @@ def others(scene: SceneReport) -> Table:
 
 def work(scene: SceneReport) -> Table:
     """Size, work and peak memory (MB) of each run."""
-    return work_of(scene.runs, [model_label(run.rung, run.level) for run in scene.runs])
+    return work_of(scene.runs, [run_label(run.model, run.level) for run in scene.runs])
 
 
 def work_of(runs: Sequence[RunSummary], labels: Sequence[str]) -> Table:
@@ -199,7 +205,7 @@ def work_of(runs: Sequence[RunSummary], labels: Sequence[str]) -> Table:
 
 def times(scene: SceneReport) -> Table:
     """Wall time (s) of each run by activity."""
-    return times_of(scene.runs, [model_label(run.rung, run.level) for run in scene.runs])
+    return times_of(scene.runs, [run_label(run.model, run.level) for run in scene.runs])
 
 
 def times_of(runs: Sequence[RunSummary], labels: Sequence[str]) -> Table:
@@ -269,9 +275,9 @@ def headlines(scene: SceneReport) -> list[Row]:
     return [row for row in scene.rows if row.quantity == quantity]
 
 
-def headline(scene: SceneReport, rung: str, pressure_kpa: float) -> Row | None:
-    """Tip's row (mm, N) of a rung's finest level at a pressure (kPa), reached or not; None if there is none."""
-    found = [row for row in headlines(scene) if row.rung == rung]
+def headline(scene: SceneReport, model: str, pressure_kpa: float) -> Row | None:
+    """Tip's row (mm, N) of a model's finest level at a pressure (kPa), reached or not; None if there is none."""
+    found = [row for row in headlines(scene) if row.model == model]
     found = [row for row in found if math.isclose(row.pressure_kpa, pressure_kpa)]
     return max(found, key=lambda row: ranking(row.level), default=None)
 
@@ -287,49 +293,49 @@ def seconds_of(runs: Sequence[RunSummary]) -> dict[str, list[float]]:
     return split
 
 
-def ordered(rungs: Iterable[str]) -> list[str]:
-    """Rungs once each, known ones first and in the order of `RUNGS`."""
-    given = list(dict.fromkeys(rungs))
-    return [*(rung for rung in RUNGS if rung in given), *(rung for rung in given if rung not in RUNGS)]
+def ordered(models: Iterable[str]) -> list[str]:
+    """Models once each, known ones first and in the order of `MODELS`."""
+    given = list(dict.fromkeys(models))
+    return [*(model for model in MODELS if model in given), *(model for model in given if model not in MODELS)]
 
 
-def rungs_of(scene: SceneReport) -> list[str]:
-    """Rungs that a scene has the tip of, in the order of `RUNGS`."""
-    return ordered(row.rung for row in headlines(scene))
+def models_of(scene: SceneReport) -> list[str]:
+    """Models that a scene has the tip of, in the order of `MODELS`."""
+    return ordered(row.model for row in headlines(scene))
 
 
 def is_printed(row: Row) -> bool:
     """True for a number that the paper prints."""
-    return row.rung.startswith("paper_")
+    return row.model.startswith("paper_")
 
 
-def finest_path(scene: SceneReport, rung: str) -> list[PathRow]:
-    """All converged states of a rung's finest level; empty if it has none."""
-    keys = [key for key in scene.paths if split_key(key)[0] == rung]
+def finest_path(scene: SceneReport, model: str) -> list[PathRow]:
+    """All converged states of a model's finest level; empty if it has none."""
+    keys = [key for key in scene.paths if split_key(key)[0] == model]
     return scene.paths[max(keys, key=lambda key: ranking(split_key(key)[1]))] if keys else []
 
 
 def split_key(key: str) -> tuple[str, str]:
-    """Rung and level of a key such as ``"full3d n24"``."""
-    rung, _, level = key.partition(" ")
-    return rung, level
+    """Model and level of a key such as ``"full3d n24"``."""
+    model, _, level = key.partition(" ")
+    return model, level
 
 
 def _reference(scene: SceneReport, pressure_kpa: float) -> Row | None:
-    rows = (headline(scene, rung, pressure_kpa) for rung in REFERENCES)
+    rows = (headline(scene, model, pressure_kpa) for model in REFERENCES)
     return next((row for row in rows if row and math.isfinite(row.value) and row.value != 0.0), None)
 
 
 def _modes(states: Sequence[PathRow], pressure_kpa: float) -> str:
-    """Negative modes at an asked pressure; a dash where it was not reached or they were not counted."""
-    asked = (state for state in states if state.status == "asked")
+    """Negative modes at a requested pressure; a dash where it was not reached or they were not counted."""
+    asked = (state for state in states if state.status == "requested")
     found = next((s for s in asked if math.isclose(s.pressure_kpa, pressure_kpa, rel_tol=1e-6)), None)
     return MISSING if found is None or math.isnan(found.unstable_modes) else f"{found.unstable_modes:.0f}"
 
 
-def _level_value(scene: SceneReport, rung: str, level: str, pressure_kpa: float) -> str:
+def _level_value(scene: SceneReport, model: str, level: str, pressure_kpa: float) -> str:
     for row in headlines(scene):
-        if (row.rung, row.level) == (rung, level) and math.isclose(row.pressure_kpa, pressure_kpa):
+        if (row.model, row.level) == (model, level) and math.isclose(row.pressure_kpa, pressure_kpa):
             return f"{row.value:.3f}" if math.isfinite(row.value) else short_status(row.status)
     return MISSING
 
@@ -338,30 +344,30 @@ def _status(scene: SceneReport) -> str:
     stops: dict[tuple[str, str], dict[str, None]] = {}
     for row in headlines(scene):
         if not is_reached(row):
-            stops.setdefault((row.rung, short_status(row.status)), {})[row.level] = None
-    texts = (f"{model_label(rung, ', '.join(levels))} {status}" for (rung, status), levels in stops.items())
+            stops.setdefault((row.model, short_status(row.status)), {})[row.level] = None
+    texts = (f"{run_label(model, ', '.join(levels))} {status}" for (model, status), levels in stops.items())
     return "; ".join(texts) or REACHED
 
 
 # --- text -----------------------------------------------------------------------------------
 
 
-def rung_label(rung: str) -> str:
-    """What the report calls a rung."""
-    return RUNGS.get(rung, rung.replace("_", " "))
+def model_label(model: str) -> str:
+    """What the report calls a model."""
+    return MODELS.get(model, model.replace("_", " "))
 
 
-def model_label(rung: str, level: str) -> str:
-    """What the report calls a level of a rung."""
-    return f"{rung_label(rung)} {level}".strip()
+def run_label(model: str, level: str) -> str:
+    """What the report calls a level of a model."""
+    return f"{model_label(model)} {level}".strip()
 
 
 def models_label(runs: Iterable[RunSummary]) -> str:
-    """What the report calls several runs: each rung once, with its levels."""
+    """What the report calls several runs: each model once, with its levels."""
     levels: dict[str, list[str]] = {}
     for run in runs:
-        levels.setdefault(run.rung, []).append(run.level)
-    return "; ".join(model_label(rung, ", ".join(of_rung)) for rung, of_rung in levels.items())
+        levels.setdefault(run.model, []).append(run.level)
+    return "; ".join(run_label(model, ", ".join(of_model)) for model, of_model in levels.items())
 
 
 def anchor_of(scene: SceneReport) -> str:

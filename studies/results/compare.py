@@ -39,9 +39,9 @@ def main_quantity(scene: Scene) -> TipQuantity:
 
 
 def tip_at(run: Run | None, pressure_kpa: float, quantity: TipQuantity = "tip_mm") -> float:
-    """Elongation, mm, or force, N, at the tip of a run at an asked pressure; NaN if it was not reached."""
+    """Elongation, mm, or force, N, at the tip of a run at a requested pressure; NaN if it was not reached."""
     for entry in run.path if run is not None else ():
-        if entry.status == "asked" and math.isclose(entry.pressure_kpa, pressure_kpa, rel_tol=1e-9):
+        if entry.status == "requested" and math.isclose(entry.pressure_kpa, pressure_kpa, rel_tol=1e-9):
             return entry.tip_mm if quantity == "tip_mm" else entry.tip_force_n
     return math.nan
 
@@ -130,19 +130,19 @@ def _rows_at(
         reference, source = finest_axi, f"axisymmetric {axisymmetric[-1].summary.level}"
 
     def add(
-        rung: str,
+        model: str,
         value: float,
         level: str = "",
         uncertainty: float = math.nan,
         status: str = REACHED,
     ) -> None:
-        of, by = (math.nan, "") if f"{rung} {level}" == source else (reference, source)
+        of, by = (math.nan, "") if f"{model} {level}" == source else (reference, source)
         unit = UNITS[quantity]
-        rows.append(row(scene.name, quantity, unit, pressure, rung, value, level, uncertainty, of, by, status))
+        rows.append(row(scene.name, quantity, unit, pressure, model, value, level, uncertainty, of, by, status))
 
     if quantity == main_quantity(scene):
-        for rung, value, status in _closed_forms(scene, pressure):
-            add(rung, value, status=status)
+        for model, value, status in _closed_forms(scene, pressure):
+            add(model, value, status=status)
     for run in axisymmetric:
         value = tip_at(run, pressure, quantity)
         add("axisymmetric", value, run.summary.level, meridian.uncertainty(value), _status(run, value))
@@ -150,7 +150,7 @@ def _rows_at(
         value = tip_at(run, pressure, quantity)
         base = tip_at(_on_meridian(run, axisymmetric), pressure, quantity)
         error_around = _error_around(scene, run, [*sector, *full3d], base, pressure, quantity)
-        add(run.summary.rung, value, run.summary.level, meridian.uncertainty(base) + error_around, _status(run, value))
+        add(run.summary.model, value, run.summary.level, meridian.uncertainty(base) + error_around, _status(run, value))
     if printed is not None and math.isclose(pressure, paper.PRINTED_PRESSURE_KPA):
         add("paper_closed_form", 10.0 * printed.closed_form_cm)
         add("paper_ansys", 10.0 * printed.ansys_cm)
@@ -185,7 +185,10 @@ def _error_around(
     level = body_level(run.summary.level)
     for meridian in dict.fromkeys([level.meridian, *(body_level(r.summary.level).meridian for r in bodies)]):
         alike = {}
-        for body in [*bodies, *(r for r in bodies if r.summary.rung == run.summary.rung)]:  # of its own rung if it can
+        for body in [
+            *bodies,
+            *(r for r in bodies if r.summary.model == run.summary.model),
+        ]:  # of its own model if it can
             at = body_level(body.summary.level)
             if at.meridian == meridian:
                 alike[at.around] = body
@@ -201,8 +204,8 @@ def _error_around(
 def _checks(scene: Scene, run: Run, pressure: float) -> list[Row]:
     """Stability count, least det F, slip of the bond and displacement on the axis of a run at a pressure."""
     for entry in run.path:
-        if entry.status == "asked" and math.isclose(entry.pressure_kpa, pressure, rel_tol=1e-9):
-            name, level = run.summary.rung, run.summary.level
+        if entry.status == "requested" and math.isclose(entry.pressure_kpa, pressure, rel_tol=1e-9):
+            name, level = run.summary.model, run.summary.level
             found = {
                 "unstable_modes": ("1", entry.unstable_modes),
                 "min_det_f": ("1", entry.min_det_f),
@@ -225,7 +228,7 @@ def _status(run: Run, value: float) -> str:
 
 
 def _closed_forms(scene: Scene, pressure_kpa: float) -> list[tuple[str, float, str]]:
-    """(rung, main quantity, status) of the closed form: its chains, and the mended one with the free half pitch."""
+    """(model, main quantity, status) of the closed form: its chains, and the mended one with the free half pitch."""
     if scene.load.sense < 0.0:
         return []  # it has no vacuum
     nominal = dimensions_of(scene)
@@ -236,12 +239,12 @@ def _closed_forms(scene: Scene, pressure_kpa: float) -> list[tuple[str, float, s
         variants.append(("closed_form_printed", closed_form_printed, nominal))
         variants.append(("closed_form_balanced", closed_form_balanced, nominal))
     out = []
-    for rung, chain, dimensions in variants:
+    for model, chain, dimensions in variants:
         try:
             value, status = _closed_form_value(scene, chain, dimensions, pressure_kpa)
-            out.append((rung, value, status))
+            out.append((model, value, status))
         except BellowsError as error:
-            out.append((rung, math.nan, f"not available: {error}"))
+            out.append((model, math.nan, f"not available: {error}"))
     return out
 
 

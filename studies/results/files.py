@@ -6,7 +6,7 @@ import csv
 import json
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,11 +20,11 @@ class PathRow:
     """One converged state, as a row of path.csv.
 
     NaN (an empty field) marks what was not computed. ``unstable_by_m`` has the unstable modes of m = 0…6 about an
-    axisymmetric state, ``0;1;0;0;0;0;0`` for one that bends sideways, at asked pressures on r1 or r2.
+    axisymmetric state, ``0;1;0;0;0;0;0`` for one that bends sideways, at requested pressures on r1 or r2.
     ``tip_force_n`` is the axial force of the actuator on what holds or loads its tip, positive outwards: 0 for a free
     tip, minus the scene's dead force (which is positive when it pulls). ``reaction_n`` is that of the support on the
     actuator, so that ``reaction_n + P A = tip_force_n`` with the inlet's area A. ``control`` says what was held in the
-    solve; ``status`` is ``asked`` for states at asked pressures, ``step`` for those between.
+    solve; ``status`` is ``requested`` for states at requested pressures, ``step`` for those between.
     """
 
     pressure_kpa: float
@@ -51,10 +51,10 @@ class RunSummary:
 
     Attributes
     ----------
-    scene, rung, level
+    scene, model, level
         Which scene, which model, which mesh (`studies.planning.levels`: ``r4``, ``n8r2``).
     status, reason, cause
-        ``reached`` (all asked pressures) or ``stopped``, and why: in words, and the kind (solvers.errors.Cause).
+        ``reached`` (all requested pressures) or ``stopped``, and why: in words, and the kind (solvers.errors.Cause).
     crossing
         Where the number of unstable modes changed first: kind, pressure_kpa, within_kpa, volume_mm3, modes_before,
         modes_after; empty if nowhere. The mode is in ``critical_mode.npz`` and ``critical_mode.vtu``.
@@ -77,7 +77,7 @@ class RunSummary:
     """
 
     scene: str
-    rung: str
+    model: str
     level: str
     status: str
     reason: str
@@ -124,7 +124,9 @@ def read_path(folder: Path) -> list[PathRow]:
     kinds: dict[str, Callable[[str], Any]] = {"float": _number, "int": int, "str": str}
     convert = {f.name: kinds[str(f.type)] for f in fields(PathRow)}
     with (folder / PATH_FILE).open(newline="", encoding="utf-8") as stream:
-        return [PathRow(**{k: convert[k](v) for k, v in entry.items()}) for entry in csv.DictReader(stream)]
+        rows = [PathRow(**{k: convert[k](v) for k, v in entry.items()}) for entry in csv.DictReader(stream)]
+    # ``asked`` is the status's name before 0.2
+    return [replace(row, status="requested") if row.status == "asked" else row for row in rows]
 
 
 def write_summary(folder: Path, summary: RunSummary) -> None:
@@ -135,6 +137,8 @@ def write_summary(folder: Path, summary: RunSummary) -> None:
 def read_summary(folder: Path) -> RunSummary:
     """Read summary.json."""
     data: dict[str, Any] = json.loads((folder / SUMMARY_FILE).read_text(encoding="utf-8"))
+    if "rung" in data:  # the key's name before 0.2
+        data["model"] = data.pop("rung")
     return RunSummary(**{**data, "plan": tuple(data["plan"])})
 
 

@@ -314,10 +314,11 @@ def measured_rows(scene: Scene, runs: Sequence[Run], folder: Path) -> list[Row]:
     Returns
     -------
     list of Row
-        For each asked pressure that any level reached; then ``unfolding_kpa`` without a pressure, NaN with its status
-        where the highest asked state is short of it. The uncertainty is that of the meshes; that of interpolating
-        ``unfolding_kpa`` between the asked pressures comes on top. Errors are against the finest level that has the
-        value. Of that level's own peaks, which are compared with nothing, ``source`` says where they are.
+        For each requested pressure that any level reached; then ``unfolding_kpa`` without a pressure, NaN with its
+        status where the highest requested state is short of it. The uncertainty is that of the meshes; that of
+        interpolating ``unfolding_kpa`` between the requested pressures comes on top. Errors are against the finest
+        level that has the value. Of that level's own peaks, which are compared with nothing, ``source`` says where
+        they are.
     """
     states = [_measured_run(scene, run, folder) for run in runs]
     rows = []
@@ -336,7 +337,7 @@ def measured_rows(scene: Scene, runs: Sequence[Run], folder: Path) -> list[Row]:
 
 
 def _measured_run(scene: Scene, run: Run, folder: Path) -> dict[float, Measured]:
-    """What was measured in a run's states, by asked pressure, kPa."""
+    """What was measured in a run's states, by requested pressure, kPa."""
     places = find_places(scene, int(run.summary.level.removeprefix("r")))
     found = {}
     for pressure in scene.load.pressure_kpa:

@@ -26,15 +26,15 @@ class Row:
         For instance ``tip_mm`` and ``mm``.
     pressure_kpa
         Cavity pressure.
-    rung
+    model
         ``closed_form``, ``closed_form_printed``, ``closed_form_balanced``, ``closed_form_seat``, ``axisymmetric``,
         ``sector``, ``full3d``, ``paper_…`` for printed values, ``material`` for laws, ``exact`` for exact solutions.
     level
-        Mesh or variant within the rung, for instance ``r4`` or ``n24``; empty if there is one only.
+        Mesh or variant within the model, for instance ``r4`` or ``n24``; empty if there is one only.
     value
         The number; NaN if it was not reached.
     uncertainty
-        Discretisation uncertainty in the same unit; NaN where the rung has none (closed form, print) or where
+        Discretisation uncertainty in the same unit; NaN where the model has none (closed form, print) or where
         fewer than three levels were run.
     reference, source
         The value it is compared with and where that comes from; NaN and empty if it is compared with nothing.
@@ -48,7 +48,7 @@ class Row:
     quantity: str
     unit: str
     pressure_kpa: float
-    rung: str
+    model: str
     level: str
     value: float
     uncertainty: float
@@ -63,7 +63,7 @@ def row(
     quantity: str,
     unit: str,
     pressure_kpa: float,
-    rung: str,
+    model: str,
     value: float,
     level: str = "",
     uncertainty: float = math.nan,
@@ -73,7 +73,7 @@ def row(
 ) -> Row:
     """Make a row and fill in its error in percent."""
     error = 100.0 * (value - reference) / abs(reference) if reference else math.nan
-    return Row(scene, quantity, unit, pressure_kpa, rung, level, value, uncertainty, reference, source, error, status)
+    return Row(scene, quantity, unit, pressure_kpa, model, level, value, uncertainty, reference, source, error, status)
 
 
 def is_reached(entry: Row) -> bool:
@@ -97,7 +97,10 @@ def write_rows(path: Path, rows: Iterable[Row]) -> None:
 def read_rows(path: Path) -> list[Row]:
     """Read rows written by `write_rows`."""
     with path.open(newline="", encoding="utf-8") as stream:
-        return [Row(*(_value(name, entry[name]) for name in COLUMNS)) for entry in csv.DictReader(stream)]
+        lines = list(csv.DictReader(stream))
+    # ``rung`` is the column's name before 0.2
+    lines = [{**line, "model": line.get("model", line.get("rung", ""))} for line in lines]
+    return [Row(*(_value(name, line[name]) for name in COLUMNS)) for line in lines]
 
 
 def _value(name: str, text: str) -> Any:

@@ -73,10 +73,10 @@ class Outcome:
     Attributes
     ----------
     verdict
-        ``right``: at the asked load and within the tolerance of what is known; ``refusal``: nothing solved, the reason
+        ``right``: at the requested load and within the tolerance of what is known; ``refusal``: nothing solved, reason
         named; ``stop``: ended before the load, cause and reason named; ``wrong``: anything else, a crash included.
     share
-        Highest load reached over what is known to be reachable (at most the asked load).
+        Highest load reached over what is known to be reachable (at most the requested load).
     value_mm, reference_mm, source
         Bore or tip, what it is compared with and where that is from; NaN and empty if there is none.
     error_percent, tolerance_percent
@@ -131,7 +131,7 @@ class Reference:
 
 @dataclass(frozen=True)
 class _End:
-    """What a solver left behind: the state at the asked load if reached, else why not."""
+    """What a solver left behind: the state at the requested load if reached, else why not."""
 
     reached_kpa: float
     value_mm: float = math.nan

@@ -72,7 +72,7 @@ def compare(reference: Sequence[Row], rows: Sequence[Row]) -> Difference:
 
 
 def _name(row: Row) -> str:
-    return " ".join(filter(None, (row.scene, row.quantity, f"{row.pressure_kpa:g} kPa", row.rung, row.level)))
+    return " ".join(filter(None, (row.scene, row.quantity, f"{row.pressure_kpa:g} kPa", row.model, row.level)))
 
 
 def _difference(a: Row, b: Row) -> float:

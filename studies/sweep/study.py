@@ -17,7 +17,7 @@ from studies.closed_form.tables import SILICONES
 from studies.models.farm import OUTCOME_FILE, REFUSED, TABLE_FILE, SweepOutcome, SweepRow, read_table, run_sweep
 from studies.progress import Progress
 from studies.report.pages import duration, write_page
-from studies.report.tables import MISSING, Table, count, rung_label, signed, up
+from studies.report.tables import MISSING, Table, count, model_label, signed, up
 from studies.results import provenance
 from studies.results.rows import REACHED
 from studies.scene.bellows import dimensions_of, load_scene
@@ -178,7 +178,7 @@ def _chain_cells(rows: Sequence[SweepRow]) -> list[str]:
 
 
 def _chain_header(*first: str) -> tuple[str, ...]:
-    names = [rung_label(chain) for chain in CHAINS]
+    names = [model_label(chain) for chain in CHAINS]
     return (*first, *(text for name in names for text in (f"{name}: median (range), %", f"beyond {LIMIT_PERCENT:g} %")))
 
 
@@ -243,7 +243,7 @@ def _rule_table(rules: Sequence[Rule], points: Sequence[Point], others: Sequence
 
 
 def _formula(rule: Rule) -> str:
-    name = rung_label(rule.chain)
+    name = model_label(rule.chain)
     if rule.split:
         return f"{name} × {rule.above:g}; × {rule.below:g} while P R_p/(μ t) is below {rule.split:g}"
     return f"{name} × {rule.above:g}" if rule.above != 1.0 else f"{name} as it is"
@@ -253,7 +253,7 @@ def _rule_words(rule: Rule, points: Sequence[Point], others: Sequence[Point]) ->
     elsewhere = f" and {100.0 * rule.hits(others):.0f} % of those with other numbers of convolutions" if others else ""
     percents = np.abs(rule.percent(points))
     return (
-        f"Take the {rung_label(rule.chain)}, and multiply its elongation by {rule.above:g}, or by {rule.below:g} "
+        f"Take the {model_label(rule.chain)}, and multiply its elongation by {rule.above:g}, or by {rule.below:g} "
         f"while P R<sub>p</sub>/(μ t) is below {rule.split:g} (μ is the initial shear modulus). That meets the finite "
         f"elements within {LIMIT_PERCENT:g} % at {100.0 * rule.hits(points):.0f} % of the states it was found on"
         f"{elsewhere}; nine in ten states are within {float(np.quantile(percents, 0.9)):.0f} %, the worst is "
@@ -375,5 +375,5 @@ def _maps(folder: Path, rows: Sequence[SweepRow], mapped: Sequence[SweepRow]) ->
         def off(row: SweepRow, chain: Chain = chain) -> float:
             return _percent(row, chain)
 
-        found[chain] = draw(chain.replace("_", "-"), "percent", off, f"{rung_label(chain)} less finite elements, %")
+        found[chain] = draw(chain.replace("_", "-"), "percent", off, f"{model_label(chain)} less finite elements, %")
     return found

@@ -49,7 +49,7 @@ def draw_contractions(path: Path, curves: Mapping[str, FloatArray]) -> None:
 
 
 def draw_shapes(path: Path, scene: Scene, run: Run, folder: Path) -> None:
-    """Draw the meridian unloaded and in asked states of a run, below each other to one scale.
+    """Draw the meridian unloaded and in requested states of a run, below each other to one scale.
 
     Parameters
     ----------

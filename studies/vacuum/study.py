@@ -43,7 +43,7 @@ def run_folder(out: Path, scene: Scene, level: int) -> Path:
 
 
 def scene_rows(out: Path, scene: Scene, runs: Sequence[Run]) -> list[Row]:
-    """Rows of a scene: contraction, gap, contact force, modes at each asked pressure, and where stability is lost.
+    """Rows of a scene: contraction, gap, contact force, modes at each requested pressure, and where stability is lost.
 
     The reference of a level is the finest one.
     """
@@ -99,7 +99,7 @@ def pressure_work_mj(run: Run) -> float:
 
 
 def contraction_table(rows: Sequence[Row], scene: Scene) -> Table:
-    """A line per asked pressure."""
+    """A line per requested pressure."""
     value = {(r.level, r.pressure_kpa, r.quantity): r.value for r in rows}
     levels = list(dict.fromkeys(r.level for r in rows))
 

@@ -12,11 +12,11 @@ import numpy as np
 from studies.models.body_session import OF_PATHS
 from studies.models.session import ROWS_FILE, SCENE_FILE
 from studies.planning.levels import fineness
-from studies.planning.plan import RUNGS
+from studies.planning.plan import MODELS
 from studies.report import tables
 from studies.report.pages import duration, write_page
 from studies.report.scenes import SceneReport
-from studies.report.tables import MISSING, Table, model_label, rounded_up
+from studies.report.tables import MISSING, Table, rounded_up, run_label
 from studies.results import provenance
 from studies.results.exact_answers import exact_bore_mm, exact_crossing_kpa
 from studies.results.files import SUMMARY_FILE, read_path, read_summary
@@ -82,9 +82,9 @@ def _scene(folder: Path) -> ExactScene:
 def _read(folder: Path) -> SceneReport:
     runs = [read_summary(p.parent) for p in folder.glob(f"*-*/{SUMMARY_FILE}")]
     rows = read_rows(folder / ROWS_FILE)
-    shown = {(row.rung, row.level) for row in rows}  # runs of an earlier plan may be there too
-    order: dict[str, int] = {rung: place for place, rung in enumerate(RUNGS)}
-    runs = sorted((r for r in runs if (r.rung, r.level) in shown), key=lambda r: (order[r.rung], fineness(r.level)))
+    shown = {(row.model, row.level) for row in rows}  # runs of an earlier plan may be there too
+    order: dict[str, int] = {model: place for place, model in enumerate(MODELS)}
+    runs = sorted((r for r in runs if (r.model, r.level) in shown), key=lambda r: (order[r.model], fineness(r.level)))
     scene = _scene(folder)
     return SceneReport(
         name=scene.name,
@@ -93,7 +93,7 @@ def _read(folder: Path) -> SceneReport:
         pressures_kpa=scene.loads_kpa,
         rows=tuple(rows),
         runs=tuple(runs),
-        paths={f"{r.rung} {r.level}": read_path(folder / f"{r.rung}-{r.level}") for r in runs},
+        paths={f"{r.model} {r.level}": read_path(folder / f"{r.model}-{r.level}") for r in runs},
         fields={},
         notes=(),
     )
@@ -138,21 +138,21 @@ def _plotted(scene: ExactScene) -> str:
 
 def _draw(path: Path, scene: ExactScene, report: SceneReport, quantity: str) -> None:
     levels = []
-    for rung, level in _finest(report):
-        rows = [r for r in report.rows if (r.quantity, r.rung, r.level) == (quantity, rung, level)]
+    for model, level in _finest(report):
+        rows = [r for r in report.rows if (r.quantity, r.model, r.level) == (quantity, model, level)]
         known = [(r.pressure_kpa, r.value) for r in rows if math.isfinite(r.value)]
         if quantity == "unstable_modes":  # counted in every state
-            known = [(s.pressure_kpa, s.unstable_modes) for s in report.paths[f"{rung} {level}"]]
-        levels.append(Points(model_label(rung, level), *_columns(known)))
+            known = [(s.pressure_kpa, s.unstable_modes) for s in report.paths[f"{model} {level}"]]
+        levels.append(Points(run_label(model, level), *_columns(known)))
     loads = np.linspace(0.0, max(scene.loads_kpa), 61)[1:]
     curve = [(0.0, 0.0), *((float(p), exact_bore_mm(scene, float(p))[0]) for p in loads)]
     known = [pair for pair in curve if math.isfinite(pair[1])] if quantity == "bore_mm" else []
     exact = Points("exact", *_columns(known)) if len(known) > 1 else None
     lines = []
-    last = (report.runs[-1].rung, report.runs[-1].level)
+    last = (report.runs[-1].model, report.runs[-1].level)
     for row in report.rows:
-        if row.quantity in OF_PATHS and (row.rung, row.level) == last and math.isfinite(row.value):
-            lines.append((f"{row.quantity.removesuffix('_kpa')}, {model_label(*last)}", row.value))
+        if row.quantity in OF_PATHS and (row.model, row.level) == last and math.isfinite(row.value):
+            lines.append((f"{row.quantity.removesuffix('_kpa')}, {run_label(*last)}", row.value))
             if math.isfinite(row.reference):
                 lines.append(("the same, exact", exact_crossing_kpa(scene)[0]))
     draw_against_exact(path, _NAMES[quantity], exact, levels, lines)
@@ -170,13 +170,13 @@ def _summary(pairs: Sequence[tuple[ExactScene, SceneReport]]) -> Table:
     lines = []
     for scene, report in pairs:
         for quantity in scene.quantities:
-            for rung, level in _finest(report):
-                rows = [r for r in report.rows if (r.quantity, r.rung, r.level) == (quantity, rung, level)]
+            for model, level in _finest(report):
+                rows = [r for r in report.rows if (r.quantity, r.model, r.level) == (quantity, model, level)]
                 errors = [abs(r.error_percent) for r in rows if math.isfinite(r.error_percent)]
                 reached = sum(math.isfinite(r.value) for r in rows)
                 stopped = next((r.status for r in rows if r.status != "reached"), "reached")
                 lines.append(
-                    (report.name, _NAMES[quantity], model_label(rung, level), f"{reached} of {len(rows)}",
+                    (report.name, _NAMES[quantity], run_label(model, level), f"{reached} of {len(rows)}",
                      _percent(max(errors)) if errors else MISSING, stopped)
                 )  # fmt: skip
     header = ("scene", "quantity", "finest mesh", "values", "largest error, %", "status")
@@ -185,7 +185,7 @@ def _summary(pairs: Sequence[tuple[ExactScene, SceneReport]]) -> Table:
 
 def _finest(report: SceneReport) -> list[tuple[str, str]]:
     """Model and finest mesh, a pair per model."""
-    return list({run.rung: (run.rung, run.level) for run in report.runs}.values())
+    return list({run.model: (run.model, run.level) for run in report.runs}.values())
 
 
 def _compared(rows: Sequence[Row]) -> Table:
@@ -196,7 +196,7 @@ def _compared(rows: Sequence[Row]) -> Table:
             load = MISSING if math.isnan(row.pressure_kpa) else f"{row.pressure_kpa:g}"
             known = math.isfinite(row.reference)
             lines.append(
-                (_NAMES.get(row.quantity, row.quantity), load, model_label(row.rung, row.level), _number(row),
+                (_NAMES.get(row.quantity, row.quantity), load, run_label(row.model, row.level), _number(row),
                  f"{row.reference:.6g}" if known else MISSING, _percent(row.error_percent, signed=True),
                  row.source or MISSING)
             )  # fmt: skip
@@ -210,10 +210,10 @@ def _checks(rows: Sequence[Row]) -> Table:
     for row in rows:
         if row.quantity in ("unstable_modes", "min_det_f"):
             shown = f"{row.value:.0f}" if row.quantity == "unstable_modes" else f"{row.value:#.4g}"
-            lines.setdefault((row.rung, row.level, row.pressure_kpa), {})[row.quantity] = shown
+            lines.setdefault((row.model, row.level, row.pressure_kpa), {})[row.quantity] = shown
     cells = tuple(
-        (model_label(rung, level), f"{load:g}", found.get("unstable_modes", MISSING), found.get("min_det_f", MISSING))
-        for (rung, level, load), found in lines.items()
+        (run_label(model, level), f"{load:g}", found.get("unstable_modes", MISSING), found.get("min_det_f", MISSING))
+        for (model, level, load), found in lines.items()
     )
     return Table(("mesh", "load, kPa", "unstable modes", "least det F"), cells)
 
@@ -225,7 +225,7 @@ def _crossings(report: SceneReport) -> list[str]:
         c = run.crossing
         if c:
             out.append(
-                f"{model_label(run.rung, run.level)}: {c['kind']} at {c['pressure_kpa']:.6g} kPa (within "
+                f"{run_label(run.model, run.level)}: {c['kind']} at {c['pressure_kpa']:.6g} kPa (within "
                 f"{c['within_kpa']:.1g}), unstable modes {c['modes_before']} → {c['modes_after']}"
             )
     return out

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from studies.report.pages import write_page
-from studies.report.tables import MISSING, Table, model_label
+from studies.report.tables import MISSING, Table, run_label
 from studies.results import provenance
 from studies.verification import two_routes as exact_table
 from studies.verification.exact import name_of
@@ -49,7 +49,7 @@ def problems(lines: tuple[Line, ...]) -> Table:
             value += f" ± {r.uncertainty:.1g}"
         error = f"{r.error_percent:+.2g}".replace("-", "\N{MINUS SIGN}") if math.isfinite(r.error_percent) else MISSING
         order = f"{line.order:.1f}" if math.isfinite(line.order) else MISSING
-        what = (r.scene, name_of(r.quantity), model_label(r.rung, r.level), load, value)
+        what = (r.scene, name_of(r.quantity), run_label(r.model, r.level), load, value)
         cells.append((*what, f"{r.reference:.6g}", error, order, r.source))
     header = ("problem", "quantity", "model and mesh", "load, kPa", "value", "reference", "error, %", "order", "source")
     return Table(header, tuple(cells), left=(0, 1, 2, 8))

@@ -118,8 +118,8 @@ def gather(results: Sequence[ExactResult]) -> Verification:
 def lines_of(compared: Sequence[Row]) -> list[Line]:
     """Lines of the rows that have a reference."""
     lines = []
-    for scene, quantity, rung in dict.fromkeys((r.scene, r.quantity, r.rung) for r in compared):
-        mine = [r for r in compared if (r.scene, r.quantity, r.rung) == (scene, quantity, rung)]
+    for scene, quantity, model in dict.fromkeys((r.scene, r.quantity, r.model) for r in compared):
+        mine = [r for r in compared if (r.scene, r.quantity, r.model) == (scene, quantity, model)]
         finest = max((r.level for r in mine), key=fineness)
         ends = [r for r in mine if r.level == finest]
         worst = max(ends, key=lambda r: abs(r.error_percent) if math.isfinite(r.error_percent) else math.inf)
@@ -172,4 +172,4 @@ def same_load(a: Row, b: Row) -> bool:
 
 def _order_row(line: Line) -> Row:
     r = line.finest
-    return row(r.scene, r.quantity + ORDER_SUFFIX, "1", r.pressure_kpa, r.rung, line.order, r.level)
+    return row(r.scene, r.quantity + ORDER_SUFFIX, "1", r.pressure_kpa, r.model, line.order, r.level)

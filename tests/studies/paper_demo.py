@@ -56,7 +56,7 @@ def usual_tip(scene: Scene) -> Tip:
 
 def make_run(
     scene: Scene,
-    rung: str,
+    model: str,
     level: str,
     tip: Tip,
     stop_kpa: float = math.inf,
@@ -66,14 +66,14 @@ def make_run(
     for number, pressure in enumerate(p for p in scene.load.pressure_kpa if p <= stop_kpa):
         state = PathRow(
             pressure, "volume", tip(level, pressure), 0.0, 0.0, 1.0, 1.0, 1.0, 0.9, 1.0, 0.0, "",
-            iterations(pressure), 2.0 * (number + 1), "asked", 0.01,
+            iterations(pressure), 2.0 * (number + 1), "requested", 0.01,
         )  # fmt: skip
         force = 0.1 * pressure if scene.blocked else 0.0
         path.append(dataclasses.replace(state, tip_force_n=force))
     reached = stop_kpa >= max(scene.load.pressure_kpa)
     summary = RunSummary(
         scene=scene.name,
-        rung=rung,
+        model=model,
         level=level,
         status=REACHED if reached else "stopped",
         reason="" if reached else "no convergence | <at all>",

@@ -21,10 +21,10 @@ def test_sphere_by_arc_length_and_by_volume(tmp_path: Path) -> None:
         scene = tmp_path / f"{control}.toml"
         scene.write_text(text.replace('control = "auto"', f'control = "{control}"'), encoding="utf-8")
         out = tmp_path / control
-        done = CliRunner().invoke(main, ["solve", str(scene), "--out", str(out), "--rung", "axisymmetric"])
+        done = CliRunner().invoke(main, ["solve", str(scene), "--out", str(out), "--model", "axisymmetric"])
         assert done.exit_code == 0, done.output
         paths[control] = read_path(out)
-    asked = {c: [row for row in rows if row.status == "asked"] for c, rows in paths.items()}
+    asked = {c: [row for row in rows if row.status == "requested"] for c, rows in paths.items()}
     assert [r.pressure_kpa for r in asked["arc"]] == [r.pressure_kpa for r in asked["volume"]]
     for a, b in zip(asked["arc"], asked["volume"], strict=True):
         # two solutions of the same equations, Newton to 1e-8 of the load

@@ -1,4 +1,4 @@
-"""A blocked tip and a pulled one as scenes: forces in path.csv and rows, all rungs, two ranks, refusals."""
+"""A blocked tip and a pulled one as scenes: forces in path.csv and rows, all models, two ranks, refusals."""
 
 from __future__ import annotations
 
@@ -37,10 +37,10 @@ def write(tmp_path_factory):
     return make
 
 
-def solve(scene: Path, rung: str = ""):
-    """Last row and folder; without a rung the axisymmetric one, on as many meshes as it needs."""
-    out = scene.parent / f"{scene.stem}-{rung}"
-    result = CliRunner().invoke(main, ["solve", str(scene), "--out", str(out), *(["--rung", rung] if rung else [])])
+def solve(scene: Path, model: str = ""):
+    """Last row and folder; without a model the axisymmetric one, on as many meshes as it needs."""
+    out = scene.parent / f"{scene.stem}-{model}"
+    result = CliRunner().invoke(main, ["solve", str(scene), "--out", str(out), *(["--model", model] if model else [])])
     assert result.exit_code == 0, result.output
     return read_path(out)[-1], out
 
@@ -57,7 +57,7 @@ def test_blocked_plate_in_full_3d(whole) -> None:
     # the inlet's area, 1e-3 off as meshed with 8 cells round
     assert row.reaction_n + 5e-3 * INLET_MM2 == pytest.approx(row.tip_force_n, rel=2e-3)
     assert row.unstable_modes == 0  # one convolution is too short to bend sideways
-    rows = {(r.quantity, r.rung, r.level): r for r in read_rows(out / "rows.csv")}
+    rows = {(r.quantity, r.model, r.level): r for r in read_rows(out / "rows.csv")}
     found = rows["tip_force_n", "full3d", "n8"]
     assert found.unit == "N" and found.value == pytest.approx(row.tip_force_n, rel=1e-8)  # nine digits
     assert 0.0 < found.uncertainty < 0.05 * found.value
@@ -67,7 +67,7 @@ def test_blocked_plate_in_full_3d(whole) -> None:
 def test_rows_have_the_closed_forms_force_and_its_lower_bound(write, whole) -> None:
     scene = load_scene(write("plate", 'tip = "blocked"'))
     expected = held_tip(dimensions_of(scene), law_of(scene.material), 5.0)
-    rows = [r for r in read_rows(whole[1] / "rows.csv") if r.rung == "closed_form"]
+    rows = [r for r in read_rows(whole[1] / "rows.csv") if r.model == "closed_form"]
     found = {r.quantity: r.value for r in rows}
     assert found == pytest.approx(
         {"tip_force_n": expected.tip_force_n[0], "extension_force_n": expected.extension_force_n[0]}, rel=1e-8
@@ -88,7 +88,7 @@ def test_report_of_a_blocked_scene_is_about_the_force(whole) -> None:
 
 
 @pytest.mark.parametrize("tip", ["rigid", "cap"])
-def test_rungs_and_tips_agree_on_the_force(write, whole, tip: str) -> None:
+def test_models_and_tips_agree_on_the_force(write, whole, tip: str) -> None:
     row, _ = solve(write(f"{tip}-flat", 'tip = "blocked"', tip))
     assert row.tip_mm == 0.0
     # a meridian's inlet is a true circle; Newton's residual, 1e-8 of the load, and digits
@@ -100,7 +100,7 @@ def test_rungs_and_tips_agree_on_the_force(write, whole, tip: str) -> None:
 def test_two_ranks_find_the_same_force(python, write, whole) -> None:
     scene = write("plate", 'tip = "blocked"')
     out = scene.parent / "ranks"
-    python.run(2, "-m", "studies", "solve", scene, "--out", out, "--rung", "full3d")
+    python.run(2, "-m", "studies", "solve", scene, "--out", out, "--model", "full3d")
     assert read_summary(out).ranks == 2
     one, two = whole[0], read_path(out)[-1]
     for name in ("tip_force_n", "reaction_n", "volume_mm3", "energy_mj"):
@@ -119,7 +119,7 @@ def test_dead_force_and_tip_force_have_opposite_signs(write) -> None:
         assert row.tip_mm > free.tip_mm + 0.1
     assert pulled.tip_mm == pytest.approx(flat.tip_mm, rel=1e-2)  # 8 cells round
     assert flat.reaction_n + 5e-3 * INLET_MM2 + 0.1 == pytest.approx(0.0, abs=1e-7)  # as above
-    closed = [r for r in read_rows(out / "rows.csv") if r.rung.startswith("closed_form") and r.quantity == "tip_mm"]
+    closed = [r for r in read_rows(out / "rows.csv") if r.model.startswith("closed_form") and r.quantity == "tip_mm"]
     assert all(math.isnan(r.value) and "no force on its tip" in r.status for r in closed) and closed
 
 
@@ -140,13 +140,13 @@ def test_wrong_tips_are_refused(write, load: str, tip: str, said: list[str]) -> 
 
 
 def test_force_of_a_free_tip_cannot_be_asked_for(write) -> None:
-    path = write("asked", "")
+    path = write("requested", "")
     path.write_text(path.read_text().replace('["tip_mm"]', '["tip_force_n"]'), encoding="utf-8")
     with pytest.raises(SceneError, match='set load.tip = "blocked"'):
         load_scene(path)
 
 
-def test_closed_form_of_a_loaded_tip_is_refused_as_a_rung(write) -> None:
+def test_closed_form_of_a_loaded_tip_is_refused_as_a_model(write) -> None:
     scene = load_scene(write("loaded", "tip_force_n = 1.0"))
     with pytest.raises(SceneError, match="no force on its tip"):
         make_plan(scene, "closed_form")

@@ -24,7 +24,7 @@ from studies.verification import two_routes as exact_table
 
 ACTUATORS = actuators()
 every_actuator = pytest.mark.parametrize("actuator", ACTUATORS, ids=[actuator.name for actuator in ACTUATORS])
-every_chain = pytest.mark.parametrize("rung", CHAINS)
+every_chain = pytest.mark.parametrize("model", CHAINS)
 
 
 def lines(table: Table) -> list[dict[str, str]]:
@@ -40,15 +40,15 @@ def number(text: str) -> float:
 
 @every_actuator
 @every_chain
-def test_chain_table_is_what_the_equations_give_one_by_one(actuator, rung) -> None:
+def test_chain_table_is_what_the_equations_give_one_by_one(actuator, model) -> None:
     found = lines(closed_form_tables.chain_table(actuator))
     heading = {"closed_form_printed": "closed form as printed", "closed_form": "closed form"}
     for line, pressure in zip(found, PRESSURES_KPA, strict=True):
         by_equations = benchmark.elongation_by_equations_mm(
-            actuator.dimensions, actuator.law, pressure, reading=CHAINS[rung]
+            actuator.dimensions, actuator.law, pressure, reading=CHAINS[model]
         )
         # two decimals are shown
-        assert number(line[heading.get(rung, "closed form, balanced")]) == pytest.approx(by_equations, abs=0.0051)
+        assert number(line[heading.get(model, "closed form, balanced")]) == pytest.approx(by_equations, abs=0.0051)
     assert [line["paper: experiment"] for line in found[:-1]] == ["–", "–", "–"]
     assert number(found[-1]["paper: closed form"]) == pytest.approx(10.0 * actuator.printed.closed_form_cm)
 
@@ -56,20 +56,20 @@ def test_chain_table_is_what_the_equations_give_one_by_one(actuator, rung) -> No
 @every_actuator
 def test_rows_hold_every_chain_and_output(actuator) -> None:
     rows = closed_form_tables.chain_rows(actuator)
-    tips = [r for r in rows if r.quantity == "tip_mm" and not r.rung.startswith("paper_")]
+    tips = [r for r in rows if r.quantity == "tip_mm" and not r.model.startswith("paper_")]
     assert len(tips) == (2 + len(CUTS)) * len(PRESSURES_KPA)
     compared = [r for r in tips if r.pressure_kpa == 20.0]
     assert all(r.reference == pytest.approx(10.0 * actuator.printed.closed_form_cm) for r in compared)
-    forces = {(r.rung, r.level, r.pressure_kpa): r.value for r in rows if r.quantity == "extension_force_n"}
+    forces = {(r.model, r.level, r.pressure_kpa): r.value for r in rows if r.quantity == "extension_force_n"}
     for r in rows:
         if r.quantity == "resistive_force_n":
             # equilibrium, to the round-off of the root finder
-            assert r.value == pytest.approx(forces[r.rung, r.level, r.pressure_kpa], rel=1e-12)
+            assert r.value == pytest.approx(forces[r.model, r.level, r.pressure_kpa], rel=1e-12)
 
 
 def test_states_and_what_rests_on_saturation() -> None:
     statuses = {
-        (r.scene, r.rung, r.pressure_kpa): r.status
+        (r.scene, r.model, r.pressure_kpa): r.status
         for actuator in ACTUATORS
         for r in closed_form_tables.chain_rows(actuator)
         if r.quantity == "tip_mm" and r.level in ("", "mean")
@@ -195,9 +195,9 @@ def test_every_exact_solution_has_two_routes_that_agree() -> None:
 
 @every_chain
 @pytest.mark.parametrize("law", benchmark.LAWS)
-def test_benchmark_compares_with_the_equations(rung, law) -> None:
+def test_benchmark_compares_with_the_equations(model, law) -> None:
     designs = benchmark.random_designs(40, seed=1)
-    found = benchmark.measure(rung, law, designs, repetitions=2, sample=20)
+    found = benchmark.measure(model, law, designs, repetitions=2, sample=20)
     assert len(found.per_second) == 2 and min(found.per_second) > 0.0
     # both routes at round-off; short elongations are differences of lengths ten times as long
     assert 0.0 <= found.median_error <= found.largest_error < 1e-11

@@ -34,7 +34,7 @@ def small_scene(tmp_path_factory):
 def solved(small_scene, tmp_path_factory):
     """The small scene solved in full 3D."""
     out = tmp_path_factory.mktemp("solved") / "out"
-    result = CliRunner().invoke(main, ["solve", str(small_scene), "--out", str(out), "--rung", "full3d"])
+    result = CliRunner().invoke(main, ["solve", str(small_scene), "--out", str(out), "--model", "full3d"])
     assert result.exit_code == 0, result.output
     return out
 
@@ -42,7 +42,7 @@ def solved(small_scene, tmp_path_factory):
 def test_solve_writes_path_and_summary(solved):
     assert (solved / "path.csv").read_text().splitlines()[0] == ",".join(PATH_COLUMNS)
     path = read_path(solved)
-    assert [row.pressure_kpa for row in path if row.status == "asked"] == pytest.approx([5.0, 10.0])
+    assert [row.pressure_kpa for row in path if row.status == "requested"] == pytest.approx([5.0, 10.0])
     summary = json.loads((solved / "summary.json").read_text())
     assert summary["status"] == "reached"
     assert {"reason", "plan", "dofs", "cells", "time_s", "versions", "blas", "ranks", "peak_mb"} <= set(summary)
@@ -53,11 +53,11 @@ def test_rows_state_uncertainty_beside_every_fem_value(solved):
     rows = read_rows(solved / "rows.csv")
     assert (solved / "rows.csv").read_text().splitlines()[0] == ",".join(COLUMNS)
     for row in rows:
-        if row.quantity == "tip_mm" and row.rung in ("axisymmetric", "full3d"):
+        if row.quantity == "tip_mm" and row.model in ("axisymmetric", "full3d"):
             assert row.uncertainty >= 0.0
-    finest = {r.pressure_kpa: r for r in rows if r.rung == "axisymmetric" and r.quantity == "tip_mm"}
+    finest = {r.pressure_kpa: r for r in rows if r.model == "axisymmetric" and r.quantity == "tip_mm"}
     for row in rows:
-        if row.rung == "full3d" and row.quantity == "tip_mm":
+        if row.model == "full3d" and row.quantity == "tip_mm":
             # 1 %: the bar of the comparison of the two models
             assert row.value == pytest.approx(finest[row.pressure_kpa].value, rel=0.01)
 
@@ -72,7 +72,7 @@ def test_fields_open_and_carry_the_stretch(solved):
 
 def test_finished_work_is_not_repeated(small_scene, solved):
     before = {p: p.stat().st_mtime_ns for p in solved.glob("*-*/summary.json")}
-    result = CliRunner().invoke(main, ["solve", str(small_scene), "--out", str(solved), "--rung", "full3d"])
+    result = CliRunner().invoke(main, ["solve", str(small_scene), "--out", str(solved), "--model", "full3d"])
     assert result.exit_code == 0
     assert before == {p: p.stat().st_mtime_ns for p in solved.glob("*-*/summary.json")}
 
@@ -83,7 +83,7 @@ def interrupted(solved, tmp_path, monkeypatch, small_scene):
     copy = tmp_path / "interrupted"
     shutil.copytree(solved, copy)
     shutil.rmtree(copy / "full3d-n8")
-    command = ["solve", str(small_scene), "--out", str(copy), "--rung", "full3d"]
+    command = ["solve", str(small_scene), "--out", str(copy), "--model", "full3d"]
     save = runs.save_state
 
     def die_at_ten(folder, content_hash, state, row):
@@ -142,7 +142,7 @@ def test_default_plan_stops_refining_when_the_tolerance_is_met(small_scene, tmp_
     assert result.exit_code == 0, result.output
     assert (out / "axisymmetric-r2").is_dir()
     assert not (out / "axisymmetric-r4").exists()
-    assert read_summary(out).rung == "axisymmetric"
+    assert read_summary(out).model == "axisymmetric"
 
 
 def test_plan_says_what_is_skipped(small_scene):
@@ -187,7 +187,7 @@ def test_missing_scene_and_unwritable_output_exit_2(small_scene, tmp_path):
 
 def test_closed_form_writes_the_same_files(small_scene, tmp_path):
     out = tmp_path / "out"
-    result = CliRunner().invoke(main, ["solve", str(small_scene), "--out", str(out), "--rung", "closed_form"])
+    result = CliRunner().invoke(main, ["solve", str(small_scene), "--out", str(out), "--model", "closed_form"])
     assert result.exit_code == 0, result.output
     assert [row.pressure_kpa for row in read_path(out)] == [5.0, 10.0]
 
@@ -201,7 +201,7 @@ def test_stopped_run_exits_3_and_keeps_its_states(small_scene, tmp_path, monkeyp
     out = tmp_path / "out"
     result = CliRunner().invoke(main, ["solve", str(scene), "--out", str(out)])
     assert result.exit_code == 3
-    last = [r for r in read_rows(out / "rows.csv") if r.rung == "axisymmetric" and r.pressure_kpa == 700.0]
+    last = [r for r in read_rows(out / "rows.csv") if r.model == "axisymmetric" and r.pressure_kpa == 700.0]
     assert last
     assert all(r.status.startswith("stopped at") and r.value != r.value for r in last)
     assert read_summary(out).status == "stopped"
@@ -220,7 +220,7 @@ def test_loss_of_stability_is_in_the_summary_with_its_mode(small_scene, tmp_path
     scene = tmp_path / "soft.toml"
     scene.write_text(re.sub(r"\[material\].*?(?=\[load\])", material + "\n", text, flags=re.S), encoding="utf-8")
     out = tmp_path / "out"
-    result = CliRunner().invoke(main, ["solve", str(scene), "--out", str(out), "--rung", "axisymmetric"])
+    result = CliRunner().invoke(main, ["solve", str(scene), "--out", str(out), "--model", "axisymmetric"])
     assert result.exit_code == 3, result.output
     summary = read_summary(out)
     assert summary.cause == "limit point"
@@ -255,7 +255,7 @@ def test_fields_asked_for_later_are_written_from_the_kept_states(small_scene, so
     shutil.copytree(solved, copy)
     shutil.rmtree(copy / "full3d-n8" / "fields")
     before = (copy / "full3d-n8" / "summary.json").read_bytes()
-    result = CliRunner().invoke(main, ["solve", str(small_scene), "--out", str(copy), "--rung", "full3d"])
+    result = CliRunner().invoke(main, ["solve", str(small_scene), "--out", str(copy), "--model", "full3d"])
     assert result.exit_code == 0
     assert len(list((copy / "full3d-n8" / "fields").glob("*.vtu"))) == 2
     assert (copy / "full3d-n8" / "summary.json").read_bytes() == before

@@ -49,7 +49,7 @@ def test_contact_comes_with_the_first_touch_and_holds(blocked: tuple[Run, Path],
     (note,) = [n for n in run.summary.plan if n.startswith(MODELLED)]
     assert "touch first between" in note
     low, high = run.path[0], run.path[-1]
-    assert low.status == high.status == "asked"
+    assert low.status == high.status == "requested"
     assert low.min_gap_mm > 0.1
     assert -LIMIT * WALL_MM < high.min_gap_mm < 0.01 * WALL_MM
     assert high.unstable_modes == 0.0
@@ -100,7 +100,7 @@ def test_an_open_scene_makes_no_contact(smoke: Scene, tmp_path: Path, monkeypatc
 def test_vacuum_contracts_until_folds_touch_and_on(smoke: Scene, tmp_path: Path) -> None:
     run = solved(changed(smoke, [-0.5, -2.0]), tmp_path)
     assert run.summary.status == "reached", run.summary.reason
-    asked = [entry for entry in run.path if entry.status == "asked"]
+    asked = [entry for entry in run.path if entry.status == "requested"]
     assert [entry.pressure_kpa for entry in asked] == pytest.approx([-0.5, -2.0])
     assert any(n.startswith(MODELLED) for n in run.summary.plan)
     tips, volumes = ([getattr(entry, name) for entry in run.path] for name in ("tip_mm", "volume_mm3"))

@@ -44,8 +44,8 @@ def test_errors_fall_with_the_penalty(exact: list[Row]) -> None:
 
 
 def test_table_of_states_leaves_what_was_not_reached_empty() -> None:
-    def entry(quantity: str, kpa: float, value: float, rung: str = "axisymmetric", status: str = REACHED) -> Row:
-        return row("a", quantity, "mm", kpa, rung, value, "r1", status=status)
+    def entry(quantity: str, kpa: float, value: float, model: str = "axisymmetric", status: str = REACHED) -> Row:
+        return row("a", quantity, "mm", kpa, model, value, "r1", status=status)
 
     rows = [
         entry("tip_mm", 5.0, 1.25),

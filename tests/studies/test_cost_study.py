@@ -11,7 +11,7 @@ import pytest
 
 from studies.cost import study as cost_study
 from studies.cost.cells import BELLOWS, TUBE, Cell, Measurement, all_cells, cell_scene, is_default, measurement
-from studies.cost.report import by_rung, write_cost_report
+from studies.cost.report import by_model, write_cost_report
 from studies.cost.rows import (
     BELLOWS_FLOOR_PERCENT,
     Point,
@@ -35,10 +35,10 @@ def made_up(value: float, work_s: float = 1.0, unknowns: int = 1000) -> Measurem
     return Measurement(value, 10.0, work_s + 3.0, work_s, work_s, 200.0, unknowns, 20, math.nan, split, "reached", 0.0)
 
 
-def point(work_s: float, error: float, level: str = "hex r1 auto 1x2", rung: str = "axisymmetric") -> Point:
+def point(work_s: float, error: float, level: str = "hex r1 auto 1x2", model: str = "axisymmetric") -> Point:
     nan = math.nan
     return Point(
-        "peer-bellows", rung, level, error, error, work_s + 3.0, work_s, nan, nan, nan, nan, "reached", {}, False, 0.0
+        "peer-bellows", model, level, error, error, work_s + 3.0, work_s, nan, nan, nan, nan, "reached", {}, False, 0.0
     )
 
 
@@ -51,7 +51,7 @@ def made_up_rows() -> list[Row]:
 
 def test_cells_are_told_apart_and_can_all_be_made_into_scenes() -> None:
     cells = all_cells()
-    names = [(cell.body, cell.rung, cell.name) for cell in cells]
+    names = [(cell.body, cell.model, cell.name) for cell in cells]
     assert len(set(names)) == len(names)
     for cell in cells:
         scene = cell_scene(cell)
@@ -62,7 +62,7 @@ def test_cells_are_told_apart_and_can_all_be_made_into_scenes() -> None:
 
 
 def test_default_settings_are_among_the_cells_of_both_models() -> None:
-    found = {(cell.body, cell.rung) for cell in all_cells() if is_default(cell)}
+    found = {(cell.body, cell.model) for cell in all_cells() if is_default(cell)}
     assert (BELLOWS, "axisymmetric") in found
     assert (BELLOWS, "full3d") in found
 
@@ -71,7 +71,7 @@ def test_reference_is_the_limit_of_the_three_finest_meridians() -> None:
     rows = [r for r in made_up_rows() if r.quantity == "tip_mm"]
     assert {round(r.reference, 9) for r in rows} == {20.0}
     assert "r1, r2, r4" in rows[0].source
-    assert next(r for r in rows if r.rung == "full3d").error_percent == pytest.approx(0.5)
+    assert next(r for r in rows if r.model == "full3d").error_percent == pytest.approx(0.5)
 
 
 def test_points_carry_what_the_rows_say_and_peers_are_held_to_the_same_reference() -> None:
@@ -84,7 +84,7 @@ def test_points_carry_what_the_rows_say_and_peers_are_held_to_the_same_reference
     assert body.default and body.unknowns == 50_000 and body.split_s == {"factor": 15.0}
     assert peer.is_peer and peer.error_percent == pytest.approx(2.0)
     assert peer.time_s == 50.0 and body.time_s == 30.0
-    assert set(by_rung(list(found.values()))) == {"axisymmetric", "full3d", "peers, full 3D"}
+    assert set(by_model(list(found.values()))) == {"axisymmetric", "full3d", "peers, full 3D"}
 
 
 def test_front_keeps_what_nothing_beats() -> None:

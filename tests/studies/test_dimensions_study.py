@@ -170,7 +170,7 @@ def test_report_says_that_nothing_is_validated(written) -> None:
 def test_rows_hold_the_fitted_numbers_and_the_ranges(written) -> None:
     folder, study = written
     rows = read_rows(folder / "rows.csv")
-    fitted = [r for r in rows if (r.quantity, r.rung, r.pressure_kpa) == ("tip_mm", "closed_form", 20.0)]
+    fitted = [r for r in rows if (r.quantity, r.model, r.pressure_kpa) == ("tip_mm", "closed_form", 20.0)]
     assert [r.scene for r in fitted] == [actuator.name for actuator in TWELVE]
     for r in fitted:
         # the rule of the fit
@@ -181,7 +181,7 @@ def test_rows_hold_the_fitted_numbers_and_the_ranges(written) -> None:
         assert len(ends) == 2
         assert 0.0 < ends[0] < ends[1] < 10.0 * printed.closed_form_cm * (1.0 + WITHIN)
     folded = [r for r in rows if r.status == "past the model"]
-    assert {r.rung for r in folded} == {"closed_form_printed"}
+    assert {r.model for r in folded} == {"closed_form_printed"}
 
 
 @pytest.mark.slow

@@ -46,19 +46,19 @@ def edited(tmp_path):
 def test_plan_answers_full_3d_and_says_why() -> None:
     scene = load_scene(SHORT)
     plan = make_plan(scene)
-    assert plan.rung == "full3d" and plan.around_levels
+    assert plan.model == "full3d" and plan.around_levels
     text = describe(scene, plan)
     assert "answer: full3d" in text and "core off the axis by 10 % of t" in text
     assert "the core sat off the axis" in text
     assert "rotationally symmetric, so the axisymmetric model is exact" not in text
-    assert make_plan(without_eccentricity(scene)).rung == "axisymmetric"
+    assert make_plan(without_eccentricity(scene)).model == "axisymmetric"
 
 
-@pytest.mark.parametrize("rung", ["axisymmetric", "sector", "closed_form"])
-def test_symmetric_models_are_refused(rung) -> None:
+@pytest.mark.parametrize("model", ["axisymmetric", "sector", "closed_form"])
+def test_symmetric_models_are_refused(model) -> None:
     with pytest.raises(SceneError, match=r"geometry\.eccentricity = 0\.1 is not rotationally symmetric"):
-        make_plan(load_scene(SHORT), rung)
-    done = CliRunner().invoke(main, ["plan", str(SHORT), "--rung", rung])
+        make_plan(load_scene(SHORT), model)
+    done = CliRunner().invoke(main, ["plan", str(SHORT), "--model", model])
     assert done.exit_code == 2
 
 

@@ -67,16 +67,16 @@ def finest(rows: list[Row], quantity: str) -> list[Row]:
 
 
 @pytest.mark.parametrize("law", ["yeoh", "ogden"])
-@pytest.mark.parametrize("rung", ["sector", "full3d"])
+@pytest.mark.parametrize("model", ["sector", "full3d"])
 @pytest.mark.parametrize("name", ["tube", "sphere"])
-def test_tube_and_sphere_in_three_dimensions(scene, tmp_path, monkeypatch, name: str, rung: str, law: str) -> None:
+def test_tube_and_sphere_in_three_dimensions(scene, tmp_path, monkeypatch, name: str, model: str, law: str) -> None:
     # the coarser of the default meshes: seconds instead of tens, and the bar holds for it already
     monkeypatch.setattr("studies.planning.body_plan.AROUND_LEVELS", {"hexahedra": ("n8",), "tetrahedra": ("n12",)})
     pressures = ("[10.0, 20.0, 30.0]", "[10.0, 25.0]")
     changes = [pressures]
     if (name, law) in (("tube", "ogden"), ("sphere", "yeoh")):
         changes.append((YEOH, OGDEN) if law == "ogden" else (OGDEN, YEOH))
-    rows = solved(scene(name, *changes), tmp_path / "out", "--rung", rung)
+    rows = solved(scene(name, *changes), tmp_path / "out", "--model", model)
     bores = finest(rows, "bore_mm")
     assert [r.pressure_kpa for r in bores] == [10.0, 25.0]
     for row in bores:
@@ -105,12 +105,12 @@ def test_default_plan_gives_the_uncertainty_of_meridian_levels(scene, tmp_path) 
     assert before == {p: p.stat().st_mtime_ns for p in out.glob("*-*/summary.json")}
 
 
-@pytest.mark.parametrize("rung", ["axisymmetric", "sector"])
-def test_capped_tube(scene, tmp_path, monkeypatch, rung: str) -> None:
+@pytest.mark.parametrize("model", ["axisymmetric", "sector"])
+def test_capped_tube(scene, tmp_path, monkeypatch, model: str) -> None:
     monkeypatch.setattr("studies.planning.body_plan.MERIDIAN_LEVELS", ("r1",))
     monkeypatch.setattr("studies.planning.body_plan.AROUND_LEVELS", {"hexahedra": ("n8",)})
     path = scene("tube", ('ends = "plane-strain"', 'ends = "capped"'), ("20.0, 30.0]", "25.0]"))
-    for row in finest(solved(path, tmp_path / "out", "--rung", rung), "bore_mm"):
+    for row in finest(solved(path, tmp_path / "out", "--model", model), "bore_mm"):
         # the cap glides on a layer of finite stiffness; measured 0.003 %
         assert abs(row.error_percent) < 0.01
 
@@ -293,7 +293,10 @@ def test_a_mesh_that_nothing_holds_is_refused(scene, tmp_path) -> None:
 
 
 def test_models_a_body_has_not_are_refused(scene) -> None:
-    for name, rung, said in (("ring-2", "full3d", "a ring has sector"), ("tube", "closed_form", "exact answer stands")):
-        result = run("plan", scene(name), "--rung", rung)
+    for name, model, said in (
+        ("ring-2", "full3d", "a ring has sector"),
+        ("tube", "closed_form", "exact answer stands"),
+    ):
+        result = run("plan", scene(name), "--model", model)
         assert result.exit_code == 2
         assert said in result.output

@@ -32,8 +32,8 @@ def wait_for(path: Path, process: subprocess.Popen) -> None:
         time.sleep(0.005)
 
 
-def assert_same_runs(found: Path, expected: Path, rung: str) -> None:
-    for level in LEVELS[rung]:
+def assert_same_runs(found: Path, expected: Path, model: str) -> None:
+    for level in LEVELS[model]:
         a, b = read_path(found / level), read_path(expected / level)
         assert len(a) == len(b)
         for x, y in zip(a, b, strict=True):
@@ -45,9 +45,9 @@ def assert_same_runs(found: Path, expected: Path, rung: str) -> None:
         assert read_summary(found / level).factorisations == read_summary(expected / level).factorisations
 
 
-def kill_five_times(python, scene: Path, tmp_path: Path, rung: str) -> None:
+def kill_five_times(python, scene: Path, tmp_path: Path, model: str) -> None:
     def start(out: Path) -> subprocess.Popen:
-        arguments = ("-m", "studies", "solve", scene, "--out", out, "--rung", rung)
+        arguments = ("-m", "studies", "solve", scene, "--out", out, "--model", model)
         return python.start(1, *arguments, stdout=subprocess.DEVNULL)
 
     whole = tmp_path / "whole"
@@ -75,7 +75,7 @@ def kill_five_times(python, scene: Path, tmp_path: Path, rung: str) -> None:
             break
     assert killed == 5
     python.finish(start(out))
-    assert_same_runs(out, whole, rung)
+    assert_same_runs(out, whole, model)
 
 
 def test_axisymmetric_run_killed_five_times_gives_the_same_path(python, scene, tmp_path) -> None:

@@ -215,7 +215,7 @@ def test_the_model_says_what_it_knows(scene: Scene) -> None:
     assert pulled["root_stretch_outer"] == free["root_stretch_outer"]
 
 
-STEP = PathRow(1.0, "volume", 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.9, math.nan, 0.0, "", 4, 1.0, "asked", 0.01)
+STEP = PathRow(1.0, "volume", 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.9, math.nan, 0.0, "", 4, 1.0, "requested", 0.01)
 
 
 def keep(folder: Path, level: str, states: list[State]) -> Any:
@@ -245,7 +245,7 @@ def test_rows_of_levels_beside_the_model(scene: Scene, tmp_path: Path) -> None:
     rows = measured_rows(scene, runs, tmp_path)
 
     model, r1, _, r4 = only(rows, quantity="root_stretch_outer", pressure_kpa=5.0)
-    assert [r.rung for r in (model, r1, r4)] == ["closed_form", "axisymmetric", "axisymmetric"]
+    assert [r.model for r in (model, r1, r4)] == ["closed_form", "axisymmetric", "axisymmetric"]
     assert (r1.level, r4.level, r4.unit, r4.scene) == ("r1", "r4", "1", "smoke-t2-ri5")
     # an error of the expected order: 1.25 times the distance to the limit, to round-off of differences of 1e-3
     assert [r1.uncertainty, r4.uncertainty] == pytest.approx([1.25 * 0.01, 1.25 * 0.01 / 16], rel=1e-9)
@@ -256,7 +256,7 @@ def test_rows_of_levels_beside_the_model(scene: Scene, tmp_path: Path) -> None:
     assert peak.source.split(",")[0] in ("root", "side", "crest", "seat", "collar", "cap")
 
     beyond = only(rows, quantity="root_stretch_outer", pressure_kpa=10.0)
-    assert [(r.rung, r.level, r.source) for r in beyond] == [
+    assert [(r.model, r.level, r.source) for r in beyond] == [
         ("closed_form", "", "axisymmetric r2"),
         ("axisymmetric", "r1", "axisymmetric r2"),
         ("axisymmetric", "r2", ""),
@@ -282,7 +282,7 @@ def test_a_small_run_is_consistent(scene: Scene, tmp_path: Path) -> None:
     asked = scene.model_copy(update={"load": Load(pressure_kpa=[5.0])})
     run = run_axisymmetric(asked, 1, tmp_path / "axisymmetric-r1", MPI.COMM_SELF, Progress(MPI.COMM_SELF))
     rows = measured_rows(asked, [run], tmp_path)
-    value = {r.quantity: r.value for r in rows if r.rung == "axisymmetric"}
+    value = {r.quantity: r.value for r in rows if r.model == "axisymmetric"}
     # one and the same displacement, to round-off
     assert value["root_bulge_mm"] == pytest.approx((value["root_stretch_outer"] - 1.0) * 7.0, rel=1e-9)
     # an incompressible wall thins: the roots' inside stretches more, and neither is more than the peak

@@ -49,7 +49,7 @@ def kept(scene: Scene, folder: Path) -> Any:
     pressure[mesh.corners] = PRESSURE_MPA
     state = State(moved, pressure, (STRETCH - 1.0) * shape.crest_positions_mm[:, None], 0.01)
     nan = math.nan
-    row = PathRow(10.0, "", nan, nan, nan, nan, nan, nan, nan, nan, nan, "", 0, 0.0, "asked", nan)
+    row = PathRow(10.0, "", nan, nan, nan, nan, nan, nan, nan, nan, nan, "", 0, 0.0, "requested", nan)
     save_state(folder, "abc", state, row)
     return SimpleNamespace(summary=SimpleNamespace(level="r1", content_hash="abc"))
 

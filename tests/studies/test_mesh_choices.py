@@ -35,9 +35,9 @@ def write(tmp_path_factory):
     return make
 
 
-def solve(scene: Path, rung: str):
-    out = scene.parent / f"{scene.stem}-{rung}"
-    result = CliRunner().invoke(main, ["solve", str(scene), "--out", str(out), "--rung", rung])
+def solve(scene: Path, model: str):
+    out = scene.parent / f"{scene.stem}-{model}"
+    result = CliRunner().invoke(main, ["solve", str(scene), "--out", str(out), "--model", model])
     assert result.exit_code == 0, result.output
     return read_path(out)[-1], read_summary(out), out
 
@@ -50,7 +50,7 @@ def whole(write):
 def test_a_quarter_tells_what_the_whole_does(write, whole) -> None:
     quarter, small, out = solve(write("whole"), "sector")
     full, large, _ = whole
-    assert small.rung == "sector" and small.cells * 4 == large.cells
+    assert small.model == "sector" and small.cells * 4 == large.cells
     # the same cells and equations but for the modes that symmetry rules out: Newton's tolerance, 1e-8 of the load
     for name in ("tip_mm", "tip_centre_mm", "volume_mm3", "energy_mj", "reaction_n", "min_det_f"):
         assert getattr(quarter, name) == pytest.approx(getattr(full, name), rel=1e-6), name
@@ -66,7 +66,7 @@ def test_at_most_four_factorisations_per_pressure(whole) -> None:
 def test_tetrahedra_stay_to_be_had(write, whole) -> None:
     scene = write("tets", more='\n[mesh]\nelement = "tet"\n')
     row, summary, _ = solve(scene, "full3d")
-    assert (summary.rung, summary.level) == ("full3d", "n12")
+    assert (summary.model, summary.level) == ("full3d", "n12")
     # two discretisations on different meridians, each within 0.5 % of the converged tip: measured 0.3 %
     assert row.tip_mm == pytest.approx(whole[0].tip_mm, rel=0.01)
 
@@ -102,9 +102,9 @@ def test_plain_displacements_need_a_compressible_material(write) -> None:
         load_scene(write("plain", more='\n[mesh]\nelement = "tet-p1"\n'))
 
 
-@pytest.mark.parametrize("rung", ["axisymmetric", "sector", "full3d"])
-def test_rigid_tip_moves_like_a_thick_cap(write, whole, rung: str) -> None:
-    row, summary, _ = solve(write("plate", ('tip = "cap"', 'tip = "rigid"')), rung)
+@pytest.mark.parametrize("model", ["axisymmetric", "sector", "full3d"])
+def test_rigid_tip_moves_like_a_thick_cap(write, whole, model: str) -> None:
+    row, summary, _ = solve(write("plate", ('tip = "cap"', 'tip = "rigid"')), model)
     # 5 mm of silicone bulge a little, a plate does not: measured 0.5 to 0.7 % of one convolution's way
     assert row.tip_mm == pytest.approx(whole[0].tip_mm, rel=0.01)
     assert row.tip_centre_mm == row.tip_mm
@@ -123,7 +123,7 @@ def test_meshed_rings_need_tetrahedra(write) -> None:
 def test_sector_of_tetrahedra_is_refused_and_nothing_written(write) -> None:
     scene = write("nosector", more='\n[mesh]\nelement = "tet"\n')
     out = scene.parent / "never"
-    result = CliRunner().invoke(main, ["solve", str(scene), "--out", str(out), "--rung", "sector"])
+    result = CliRunner().invoke(main, ["solve", str(scene), "--out", str(out), "--model", "sector"])
     assert result.exit_code == 2
     assert "a sector is meshed in hexahedra" in result.output
     assert not out.exists()
@@ -138,7 +138,7 @@ def test_plan_names_cells_and_what_a_sector_cannot_see(write) -> None:
 
 @pytest.mark.parametrize(("percent", "full", "sector"), [(2.5, 6, 8), (1.0, 8, 8), (0.3, 12, 12), (0.01, 12, 12)])
 def test_cells_round_follow_the_tolerance(write, percent: float, full: int, sector: int) -> None:
-    scene = load_scene(write("asked"))
+    scene = load_scene(write("requested"))
     asked = scene.model_copy(update={"ask": scene.ask.model_copy(update={"tolerance_percent": percent})})
     assert make_plan(asked, "full3d").around_levels == (full,)
     assert make_plan(asked, "sector").around_levels == (sector,)

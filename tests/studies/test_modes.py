@@ -64,9 +64,9 @@ def test_counts_go_into_the_path_and_the_crossing_beside_it(blocked) -> None:
     found = run(scene, place, True)
     rows = read_path(place)
     assert tuple(r.unstable_by_m for r in rows) == tuple(r.unstable_by_m for r in found.path)
-    asked = {r.pressure_kpa: r.unstable_by_m for r in rows if r.status == "asked"}
+    asked = {r.pressure_kpa: r.unstable_by_m for r in rows if r.status == "requested"}
     assert list(asked.values()) == ["0;0;0;0;0;0;0", "0;1;0;0;0;0;0"]
-    assert all(r.unstable_by_m == "" for r in rows if r.status != "asked")
+    assert all(r.unstable_by_m == "" for r in rows if r.status != "requested")
     # the axisymmetric model itself sees nothing
     assert all(r.unstable_modes == 0 for r in rows)
     (crossing,) = read_crossings(place)
@@ -135,7 +135,7 @@ def test_solve_says_that_a_held_tip_bends_sideways(blocked) -> None:
     assert result.exit_code == 0, result.output
     assert "unstable against m = 1 (bends sideways) from 1.06" in result.output
     # the answer's meridian is the one that is counted
-    rows = {row.pressure_kpa: row.unstable_by_m for row in read_path(out) if row.status == "asked"}
+    rows = {row.pressure_kpa: row.unstable_by_m for row in read_path(out) if row.status == "requested"}
     assert rows == {1.0: "0;0;0;0;0;0;0", 1.5: "0;1;0;0;0;0;0"}
     assert not (out / "axisymmetric-r1" / modes_run.MODES_FILE).exists()
 

@@ -44,11 +44,11 @@ SLOPES = {
 PRINTED = {"paper_closed_form": 66.0, "paper_ansys": 78.0, "paper_experiment": 76.0}
 
 
-def summary(rung: str, level: str, seconds: float, cause: str = "", crossing_kpa: float = math.nan) -> RunSummary:
+def summary(model: str, level: str, seconds: float, cause: str = "", crossing_kpa: float = math.nan) -> RunSummary:
     crossing = {"kind": cause, "pressure_kpa": crossing_kpa, "within_kpa": 0.5}
     return RunSummary(
         scene="made-up",
-        rung=rung,
+        model=model,
         level=level,
         status="stopped" if cause else "reached",
         reason=cause,
@@ -105,28 +105,28 @@ def made_up(
     asked = [p for p in scene.load.pressure_kpa if p <= stop_kpa]
     rows: list[Row] = []
 
-    def add(quantity: str, unit: str, pressure: float, rung: str, value: float, **more: str | float) -> None:
-        rows.append(row(scene.name, quantity, unit, pressure, rung, value, **more))  # type: ignore[arg-type]
+    def add(quantity: str, unit: str, pressure: float, model: str, value: float, **more: str | float) -> None:
+        rows.append(row(scene.name, quantity, unit, pressure, model, value, **more))  # type: ignore[arg-type]
 
     for p in scene.load.pressure_kpa:
-        for rung, slope in SLOPES.items():
-            past = rung == "closed_form_printed" and p >= past_kpa
+        for model, slope in SLOPES.items():
+            past = model == "closed_form_printed" and p >= past_kpa
             status = FOLDED_BACK if past else REACHED
-            if rung == "axisymmetric":
-                add("tip_mm", "mm", p, rung, 9.9 * p, level="r1")  # coarse: must not be drawn
-                add("tip_mm", "mm", p, rung, slope * p, level="r4", uncertainty=bar_mm)
-            elif rung != "full3d" or case.full3d:
-                add("tip_mm", "mm", p, rung, slope * p, status=status, uncertainty=0.2)
+            if model == "axisymmetric":
+                add("tip_mm", "mm", p, model, 9.9 * p, level="r1")  # coarse: must not be drawn
+                add("tip_mm", "mm", p, model, slope * p, level="r4", uncertainty=bar_mm)
+            elif model != "full3d" or case.full3d:
+                add("tip_mm", "mm", p, model, slope * p, status=status, uncertainty=0.2)
         add("tip_force_n", "N", p, "closed_form", 0.2 * p)
         add("extension_force_n", "N", p, "closed_form", 0.1 * p)
         if p <= stop_kpa:
             add("peak_stretch_away", "1", p, "axisymmetric", 1.0 + 0.2 * p, level="r4")
-    for rung, value in PRINTED.items():
-        add("tip_mm", "mm", 20.0, rung, value)
+    for model, value in PRINTED.items():
+        add("tip_mm", "mm", 20.0, model, value)
     slope = SLOPES["axisymmetric"]
     ends = [p for p in (stop_kpa - 1.0, stop_kpa) if asked[-1] < p < math.inf]
     modes = {p: float(p >= crossing_kpa) for p in (*asked, *ends)}
-    path = [state(p, slope * p, 0.15 * p, modes[p], "asked" if p in asked else "step") for p in modes]
+    path = [state(p, slope * p, 0.15 * p, modes[p], "requested" if p in asked else "step") for p in modes]
     why = cause if stop_kpa < math.inf else ""
     run = Run(summary("axisymmetric", "r4", 10.0, why, crossing_kpa), tuple(path))
     result = SceneResult(scene, (run,), (), (), tuple(rows))
@@ -137,9 +137,9 @@ def measured(case: CaseResult) -> CaseResult:
     rows = []
     for p in case.result.scene.load.pressure_kpa:
         for quantity in ("root_stretch_outer", "wall_stretch", "ring_hoop_stretch"):
-            for rung, slope in (("axisymmetric", 0.1), ("closed_form", 0.08)):
-                if (quantity, rung) != ("ring_hoop_stretch", "closed_form"):
-                    rows.append(row(case.case.name, quantity, "1", p, rung, 1.0 + slope * p, "r4"))
+            for model, slope in (("axisymmetric", 0.1), ("closed_form", 0.08)):
+                if (quantity, model) != ("ring_hoop_stretch", "closed_form"):
+                    rows.append(row(case.case.name, quantity, "1", p, model, 1.0 + slope * p, "r4"))
     return replace(case, measured=tuple(rows))
 
 

@@ -54,7 +54,7 @@ def test_equal_content_is_run_once(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     run(tmp_path, small("one"), small("same"))
     assert done == ["one"]
     for case in paper_study.read_results(tmp_path, (small("one"), small("same"))).cases:
-        (row,) = [r for r in case.rows if r.quantity == "tip_mm" and r.rung == "axisymmetric"]
+        (row,) = [r for r in case.rows if r.quantity == "tip_mm" and r.model == "axisymmetric"]
         assert row.scene == case.case.name
         assert row.value > 0.0
         assert any(r.quantity == "root_stretch_outer" for r in case.measured)

@@ -168,7 +168,7 @@ def test_rows_hold_errors_times_and_ratios():
         Measurement("felupe", 3, "fine", math.nan, 0, 1200.0, math.nan, 110, "stopped after 1200 s"),
     ]
     rows = comparison_rows("s", 10.0, 100.0, "reference", measured)
-    found = {(r.rung, r.quantity): r for r in rows}
+    found = {(r.model, r.quantity): r for r in rows}
     assert found["peer_calculix", "tip_mm"].error_percent == pytest.approx(-2.0)
     assert found["peer_felupe", "tip_mm"].status == "stopped after 1200 s"
     assert found["full3d", "lines_to_write"].value == 33

@@ -25,10 +25,10 @@ REASON = "the step became smaller than 1e-4 of the cavity (a < b | c)"
 PAPER = "Heung et al., Biomimetics 2024, 9, 160"
 
 
-def run(scene: str, rung: str, level: str) -> RunSummary:
+def run(scene: str, model: str, level: str) -> RunSummary:
     return RunSummary(
         scene=scene,
-        rung=rung,
+        model=model,
         level=level,
         status="reached",
         reason="",
@@ -54,7 +54,7 @@ def run(scene: str, rung: str, level: str) -> RunSummary:
 
 
 def state(pressure: float, tip: float, modes: int = 0, asked: bool = True) -> PathRow:
-    status = "asked" if asked else "step"
+    status = "requested" if asked else "step"
     return PathRow(pressure, "volume", tip, tip, 0.0, 1.0, 1.0, 1.0, 0.9, math.nan, modes, "", 4, 1.0, status, 0.01)
 
 
@@ -63,8 +63,8 @@ def make_scene(name: str = "demo-scene", stop_kpa: float = math.inf) -> SceneRep
     rows: list[Row] = []
     for place, pressure in enumerate(PRESSURES):
 
-        def tip(rung: str, value: float, level: str = "", pressure: float = pressure, **more: float) -> Row:
-            return row(name, "tip_mm", "mm", pressure, rung, value, level, **more)  # type: ignore[arg-type]
+        def tip(model: str, value: float, level: str = "", pressure: float = pressure, **more: float) -> Row:
+            return row(name, "tip_mm", "mm", pressure, model, value, level, **more)  # type: ignore[arg-type]
 
         rows.append(tip("closed_form", (39.1, 53.25)[place]))
         rows.append(tip("closed_form_seat", (58.0, 82.5)[place]))
@@ -79,8 +79,8 @@ def make_scene(name: str = "demo-scene", stop_kpa: float = math.inf) -> SceneRep
                 stopped = tip("full3d", math.nan, level)
                 rows.append(replace(stopped, status=f"stopped at {stop_kpa:g} kPa: {REASON}"))
         rows.append(row(name, "tip_centre_mm", "mm", pressure, "axisymmetric", 77.77, "r4", uncertainty=0.02))
-    for rung, value in (("paper_closed_form", 53.0), ("paper_ansys", 33.0), ("paper_experiment", 50.0)):
-        rows.append(row(name, "tip_mm", "mm", 20.0, rung, value, source=PAPER))
+    for model, value in (("paper_closed_form", 53.0), ("paper_ansys", 33.0), ("paper_experiment", 50.0)):
+        rows.append(row(name, "tip_mm", "mm", 20.0, model, value, source=PAPER))
     rows.append(row(name, "silicone_g", "g", math.nan, "axisymmetric", 18.62, "r4", reference=19.0, source=PAPER))
     full = [state(p, tip) for p, tip in zip(PRESSURES, FULL["n16"], strict=True) if p <= stop_kpa]
     return SceneReport(
@@ -160,7 +160,7 @@ def test_stopped_rows_are_shown_with_their_reason(tmp_path: Path) -> None:
 
 def test_without_full_3d_the_axisymmetric_model_is_the_reference(tmp_path: Path) -> None:
     scene = make_scene()
-    scene = replace(scene, rows=tuple(r for r in scene.rows if r.rung != "full3d"), paths={}, runs=())
+    scene = replace(scene, rows=tuple(r for r in scene.rows if r.model != "full3d"), paths={}, runs=())
     text, _ = report(tmp_path, scene)
     low, _ = table(text, "Differences, in percent")
     assert low["compared with"] == "axisymmetric"
@@ -173,7 +173,7 @@ def test_verdict_bounds_the_difference_and_weighs_the_uncertainties() -> None:
     scene = make_scene()
     # 100 (74.657 - 74.442) / 74.657 = 0.288, and 0.215 mm against 0.25 + 0.0131 mm
     assert verdict(scene) == "axisymmetric within 0.29 % of full 3D, within the sum of their uncertainties"
-    sure = tuple(replace(r, uncertainty=0.1) if r.rung == "full3d" else r for r in scene.rows)
+    sure = tuple(replace(r, uncertainty=0.1) if r.model == "full3d" else r for r in scene.rows)
     assert verdict(replace(scene, rows=sure)).endswith("beyond the sum of their uncertainties")
     unknown = tuple(replace(r, uncertainty=math.nan) for r in scene.rows)
     assert verdict(replace(scene, rows=unknown)) == "axisymmetric within 0.29 % of full 3D"

@@ -174,13 +174,15 @@ def test_table_has_a_row_per_scene_and_pressure_and_keeps_refusals(done) -> None
     assert [(r.values[ROOT_KEY], r.values[WALL_KEY]) for r in refused] == [(9.0, 1.0), (9.0, 2.0)]
     for r in reached:
         own = read_rows(done.out / "scenes" / r.scene / "rows.csv")
-        tip = [x for x in own if (x.quantity, x.rung, x.pressure_kpa) == ("tip_mm", "axisymmetric", r.pressure_kpa)][-1]
+        tip = [x for x in own if (x.quantity, x.model, x.pressure_kpa) == ("tip_mm", "axisymmetric", r.pressure_kpa)][
+            -1
+        ]
         assert (r.axisymmetric, r.level) == (tip.value, tip.level)
         assert r.uncertainty == pytest.approx(tip.uncertainty, rel=1e-5)
         assert 0.0 < r.uncertainty < 0.05 * r.axisymmetric
         assert r.unstable_modes == 0.0
         for chain in CHAINS:
-            value = next(x.value for x in own if (x.rung, x.pressure_kpa) == (chain, r.pressure_kpa))
+            value = next(x.value for x in own if (x.model, x.pressure_kpa) == (chain, r.pressure_kpa))
             assert getattr(r, chain) == value
             assert getattr(r, f"{chain}_percent") == pytest.approx(100.0 * (value / tip.value - 1.0), rel=1e-6)
 
@@ -212,7 +214,7 @@ def test_scenes_that_fail_or_stop_are_rows_with_their_reasons(done, monkeypatch,
         if (scene.geometry.root_radius_mm, scene.geometry.wall_mm) != (5.0, 2.0):
             return rows
         why: dict[str, Any] = {"value": math.nan, "uncertainty": math.nan, "status": "stopped at 3.00 kPa: limit point"}
-        at_5 = [(r.rung, r.pressure_kpa) == ("axisymmetric", 5.0) for r in rows]
+        at_5 = [(r.model, r.pressure_kpa) == ("axisymmetric", 5.0) for r in rows]
         return [dataclasses.replace(r, **why) if hit else r for r, hit in zip(rows, at_5, strict=True)]
 
     monkeypatch.setattr(sweep, "run_plan", one_fails)
