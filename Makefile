@@ -173,7 +173,7 @@ study-contact: check ## contact: exact problems, folds that touch, 1 mm actuator
 
 .PHONY: study-vacuum
 study-vacuum: check ## scenes/vacuum: what bellows contract to, with contact of their folds -> results/vacuum
-	$(PY) -m studies.vacuum.study --out results/vacuum
+	$(PY) -m studies study vacuum --out results/vacuum
 
 .PHONY: study-smoke
 study-smoke: check ## two convolutions by every model, in a minute -> results/study-smoke

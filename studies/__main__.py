@@ -20,6 +20,7 @@ from mpi4py import MPI
 from analytical.bellows import BellowsError
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
+from studies.command.study import study
 from studies.models import session
 from studies.models.kinds import AnyPlan, description, plan_for, run
 from studies.planning.error_model import ROUNDS, cells_of
@@ -444,6 +445,9 @@ def _report(folder: Path) -> None:
         place = folder / "exact" if bellows else folder
         place.mkdir(exist_ok=True)
         click.echo(f"report: {render_exact(place, exact)}")
+
+
+main.add_command(study)
 
 
 def _end_all_ranks(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:

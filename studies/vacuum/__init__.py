@@ -1,1 +1,1 @@
-"""What bellows contract to under vacuum."""
+"""What do bellows contract to when their cavity is evacuated, with contact of their folds?"""
