@@ -426,7 +426,7 @@ def report(folder: Path) -> None:
 
 def _report(folder: Path) -> None:
     from studies.paper import study as paper_study
-    from studies.report import scene_page as scene_report
+    from studies.report.scene_page import render_scenes
     from studies.verification.exact import render_exact
 
     if (folder / "core").is_dir():
@@ -440,7 +440,7 @@ def _report(folder: Path) -> None:
     exact = [p for p in folders if is_exact(p / session.SCENE_FILE)]
     bellows = [p for p in folders if p not in exact]
     if bellows:
-        click.echo(f"report: {scene_report.render(folder, TITLE, INTRODUCTION, bellows)}")
+        click.echo(f"report: {render_scenes(folder, TITLE, INTRODUCTION, bellows)}")
     if exact:  # beside bellows, a page of its own
         place = folder / "exact" if bellows else folder
         place.mkdir(exist_ok=True)

@@ -19,9 +19,10 @@ import click
 from mpi4py import MPI
 
 from studies.branches.cases import CASES, ON_ALL_RANKS, SOURCES, CaseResult, Fact, Point
-from studies.report.pages import duration, write_page
-from studies.report.plots import BLACK, BLUE, ORANGE, VERMILION, figure_file
-from studies.report.tables import Table, count
+from studies.report.numbers import count, duration
+from studies.report.pages import write_page
+from studies.report.style import BLACK, BLUE, ORANGE, VERMILION, figure_file
+from studies.report.tables import Table
 from studies.results import provenance
 from studies.results.files import write_text_atomically
 from studies.results.rows import Row, row, write_rows

@@ -23,7 +23,8 @@ from analytical.chain_equations import TABLE_STEP, Reading
 from analytical.chains import MENDED, closed_form
 from analytical.materials import DRAGON_SKIN_10, Law, Ogden, dragon_skin_30
 from studies.closed_form.tables import CHAINS
-from studies.report.tables import Table, model_label
+from studies.report.labels import model_label
+from studies.report.tables import Table
 from studies.results.rows import Row, row, write_rows
 
 LAWS: Final[dict[str, Law]] = {"Dragon Skin 10": DRAGON_SKIN_10, "Dragon Skin 30": dragon_skin_30("2mu/alpha^2")}

@@ -15,9 +15,11 @@ from studies.closed_form import material_tables, validity_maps
 from studies.closed_form import tables as closed_form_tables
 from studies.closed_form.plots import draw_maps, draw_stress_curves
 from studies.closed_form.tables import CHAINS, CUTS, PRESSURES_KPA, SILICONES, path_of, printed_mm
-from studies.report.pages import duration, write_page
-from studies.report.plots import Curve, draw_elongation
-from studies.report.tables import Table, model_label
+from studies.report.curves import Curve, draw_elongation
+from studies.report.labels import model_label
+from studies.report.numbers import duration
+from studies.report.pages import write_page
+from studies.report.tables import Table
 from studies.results import provenance
 from studies.results.rows import Row, write_rows
 from studies.verification import two_routes as exact_table

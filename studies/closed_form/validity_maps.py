@@ -22,7 +22,8 @@ from analytical.paper import PaperActuator, Silicone
 from analytical.validity import cap_bulge_mm, with_free_root, with_other_wall
 from studies.closed_form.plots import Panel
 from studies.closed_form.tables import PRESSURES_KPA, SILICONES, actuator_columns, path_of
-from studies.report.tables import MISSING, Table, signed
+from studies.report.numbers import MISSING, signed
+from studies.report.tables import Table
 from studies.results.rows import Row, row
 
 # Our choice of the range: the four actuators lie well inside, walls of one fold never touch (t < e).

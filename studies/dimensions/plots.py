@@ -20,7 +20,7 @@ from meshes.bellows import BellowsShape, cap_band, corner_band, wall_segments
 from studies.dimensions.fit import ACTUATORS, DimensionStudy, Prediction
 from studies.dimensions.scenes import scene_of
 from studies.dimensions.tables import SET_NAMES
-from studies.report.plots import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, figure_file
+from studies.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, figure_file
 from studies.scene.bellows import shape_of
 
 # Of the picked sets: told apart by shape as well as by colour.

@@ -28,7 +28,8 @@ from studies.dimensions.fit import (
     write_data,
 )
 from studies.dimensions.scenes import scene_of, write_scenes
-from studies.report.pages import duration, write_page
+from studies.report.numbers import duration
+from studies.report.pages import write_page
 from studies.report.tables import Table
 from studies.results import provenance
 

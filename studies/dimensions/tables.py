@@ -30,7 +30,8 @@ from studies.dimensions.fit import (
     rest_length_mm,
     unfolding_kpa,
 )
-from studies.report.tables import MISSING, Table, signed
+from studies.report.numbers import MISSING, signed
+from studies.report.tables import Table
 
 SET_NAMES = ("reference", "alternate a", "alternate b")
 

@@ -24,9 +24,10 @@ from studies.models.runs import run_axisymmetric, run_body
 from studies.models.tip_pose import TipPose, tip_pose
 from studies.planning.levels import BodyLevel
 from studies.progress import Progress
-from studies.report.bent_pictures import Bent, draw_bent
-from studies.report.pages import duration, write_page
-from studies.report.plots import BLACK, BLUE, ORANGE, VERMILION, figure_file
+from studies.report.numbers import duration
+from studies.report.pages import write_page
+from studies.report.pictures.bent import Bent, draw_bent
+from studies.report.style import BLACK, BLUE, ORANGE, VERMILION, figure_file
 from studies.report.tables import Table
 from studies.results import provenance
 from studies.results.rows import REACHED, Row, row, write_rows

@@ -10,9 +10,10 @@ from typing import Final
 import numpy as np
 
 from studies.large.cell import LargeCell
+from studies.report.numbers import MISSING
 from studies.report.pages import write_page
-from studies.report.plots import BLUE, VERMILION, figure_file
-from studies.report.tables import MISSING, Table
+from studies.report.style import BLUE, VERMILION, figure_file
+from studies.report.tables import Table
 from studies.results import provenance
 
 TITLE: Final = "Large bodies: direct and iterative linear algebra"

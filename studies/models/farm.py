@@ -30,11 +30,10 @@ from studies.models.run_log import Run, finished_run
 from studies.models.session import run_plan
 from studies.planning.plan import make_plan
 from studies.progress import Progress
-from studies.report.tables import difference_percent
 from studies.results import provenance
 from studies.results.compare import main_quantity, scene_rows
 from studies.results.files import write_text_atomically
-from studies.results.rows import REACHED, Row
+from studies.results.rows import REACHED, Row, difference_percent
 from studies.scene.bellows import Scene, dimensions_of, law_of
 from studies.scene.sections import SceneError
 from studies.scene.sweep import Variant, read_sweep

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Final
 
 from studies.models.modes import counts_of
 from studies.modes.full3d import BAND
+from studies.report.numbers import MISSING, rounded_up, signed
 from studies.report.pages import write_page
-from studies.report.tables import MISSING, Table, rounded_up, signed
+from studies.report.tables import Table
 from studies.results import provenance
 from studies.results.rows import Row, is_reached
 

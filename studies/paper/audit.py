@@ -15,9 +15,10 @@ from studies.paper.cases import REFERENCE_SCENES
 from studies.paper.numbers import HIGHEST_KPA, PRESSURES_KPA, is_known, named, tip
 from studies.paper.results import CaseResult, PaperResults, find
 from studies.planning.levels import fineness, ranking
-from studies.report.tables import MISSING, Table, difference_percent, rounded_up, up
+from studies.report.numbers import MISSING, rounded_up, up
+from studies.report.tables import Table
 from studies.results.compare import main_quantity, scene_rows, tip_at
-from studies.results.rows import Row
+from studies.results.rows import Row, difference_percent
 
 UNCERTAINTY_PERCENT, GAP_PERCENT, INSIDE_PERCENT = 1.0, 0.5, 95.0
 

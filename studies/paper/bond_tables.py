@@ -15,7 +15,10 @@ from studies.paper.numbers import (
     number,
 )
 from studies.paper.results import CaseResult, PaperResults, find
-from studies.report.tables import MISSING, TIP, Table, difference_percent, rounded_up, signed
+from studies.report.labels import TIP
+from studies.report.numbers import MISSING, rounded_up, signed
+from studies.report.tables import Table
+from studies.results.rows import difference_percent
 
 RIGID: Final = "bond-rigid"
 # DESIGN, section 4: what a softer bond may change in the tip's elongation, and on how many meshes of the rigid one.

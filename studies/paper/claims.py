@@ -29,7 +29,8 @@ from studies.paper.numbers import (
 )
 from studies.paper.results import CaseResult, PaperResults
 from studies.paper.verdicts import FAILS, HOLDS, UNDECIDED, Verdict, above, all_of, below, over_sets, smaller
-from studies.report.tables import TIP, value_text
+from studies.report.labels import TIP
+from studies.report.numbers import value_text
 from studies.results.rows import Row
 
 # Ours: two secants of a curve that differ by less than this still look like one straight line.

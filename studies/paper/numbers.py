@@ -10,9 +10,10 @@ from typing import Final
 from analytical.paper import FAMILIES, PRINTED_PRESSURE_KPA, InferredFamily, PaperActuator, actuators
 from studies.models.run_log import Run
 from studies.paper.results import CaseResult, PaperResults, find
-from studies.report.tables import MISSING, TIP, difference_percent, signed, up
+from studies.report.labels import TIP
+from studies.report.numbers import MISSING, signed, up
 from studies.results.files import PathRow
-from studies.results.rows import FOLDED_BACK, REACHED, Row
+from studies.results.rows import FOLDED_BACK, REACHED, Row, difference_percent
 
 PRESSURES_KPA: Final = (5.0, 10.0, 15.0, 20.0)
 HIGHEST_KPA: Final = PRINTED_PRESSURE_KPA

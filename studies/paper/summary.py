@@ -24,9 +24,10 @@ from studies.paper.results import CaseResult, PaperResults
 from studies.paper.tables import CHAINS
 from studies.paper.variant_tables import REFERENCE_RING, nearer
 from studies.paper.verdicts import HOLDS, UNDECIDED
-from studies.report.tables import MISSING, difference_percent, model_label, run_label, signed
+from studies.report.labels import model_label, run_label
+from studies.report.numbers import MISSING, signed
 from studies.results.compare import validity_notes
-from studies.results.rows import FOLDED_BACK, REACHED, Row
+from studies.results.rows import FOLDED_BACK, REACHED, Row, difference_percent
 
 _NAMES_SHOWN = 4
 

@@ -10,7 +10,9 @@ from studies.models.run_log import Run
 from studies.paper.cases import REFERENCE_SCENES
 from studies.paper.numbers import finest, named
 from studies.paper.results import CaseResult, PaperResults
-from studies.report.tables import MISSING, Table, count, short_time, times_of, work_of
+from studies.report.numbers import MISSING, count, short_time
+from studies.report.scene_tables import times_of, work_of
+from studies.report.tables import Table
 from studies.results.files import RunSummary
 
 TETS: Final = "full 3D, tetrahedra"

@@ -27,17 +27,10 @@ from studies.paper.numbers import (
     tip,
 )
 from studies.paper.results import CaseResult, PaperResults
-from studies.report.tables import (
-    MISSING,
-    TIP_FORCE,
-    Table,
-    count,
-    difference_percent,
-    run_label,
-    short_time,
-    value_text,
-)
-from studies.results.rows import Row
+from studies.report.labels import TIP_FORCE, run_label
+from studies.report.numbers import MISSING, count, short_time, value_text
+from studies.report.tables import Table
+from studies.results.rows import Row, difference_percent
 
 REFERENCE_RING: Final = "ring-pla"
 

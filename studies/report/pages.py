@@ -53,13 +53,6 @@ def write_page(folder: Path, template: str, content: Mapping[str, Any]) -> Path:
     return folder / "report.html"
 
 
-def duration(seconds: float) -> str:
-    """A time as text, with the unit that suits it."""
-    if seconds < 120.0:
-        return f"{seconds:.1f} s"
-    return f"{seconds / 60.0:.1f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"
-
-
 def _cell(text: str) -> str:
     """Text made safe for a Markdown table and for HTML."""
     text = re.sub(r"[ \t\r\n]+", " ", text).strip()

@@ -10,8 +10,9 @@ import numpy as np
 from meshes.bellows import FloatArray
 from studies.models.run_log import field_files
 from studies.models.session import SCENE_FILE, read_scene_folder
-from studies.report.pictures import RingBox
-from studies.report.scenes import SceneReport, write_report
+from studies.report.pictures.stills import RingBox
+from studies.report.scene_report import SceneReport
+from studies.report.scenes import write_report
 from studies.results import provenance
 from studies.results.compare import validity_notes
 from studies.results.files import PathRow
@@ -41,7 +42,7 @@ def ring_boxes(
     return out
 
 
-def render(folder: Path, title: str, introduction: str, scene_folders: Sequence[Path]) -> Path:
+def render_scenes(folder: Path, title: str, introduction: str, scene_folders: Sequence[Path]) -> Path:
     """Write the report of scene folders into ``folder``; returns the path of report.html."""
     reports = []
     total = 0.0

@@ -10,8 +10,9 @@ from typing import Any, Final
 
 from studies.report.drawn import key_of as picture_key
 from studies.report.drawn import once
-from studies.report.pages import duration, write_page
-from studies.report.tables import MISSING, Table
+from studies.report.numbers import MISSING, duration
+from studies.report.pages import write_page
+from studies.report.tables import Table
 from studies.results import provenance
 from studies.results.rows import REACHED, Row, write_rows
 from studies.results.rows import row as new_row

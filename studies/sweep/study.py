@@ -16,8 +16,10 @@ from analytical.materials import FloatArray
 from studies.closed_form.tables import SILICONES
 from studies.models.farm import OUTCOME_FILE, REFUSED, TABLE_FILE, SweepOutcome, SweepRow, read_table, run_sweep
 from studies.progress import Progress
-from studies.report.pages import duration, write_page
-from studies.report.tables import MISSING, Table, count, model_label, signed, up
+from studies.report.labels import model_label
+from studies.report.numbers import MISSING, count, duration, signed, up
+from studies.report.pages import write_page
+from studies.report.tables import Table
 from studies.results import provenance
 from studies.results.rows import REACHED
 from studies.scene.bellows import dimensions_of, load_scene

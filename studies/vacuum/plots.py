@@ -14,7 +14,7 @@ from meshes.solid import FloatArray, SolidMesh
 from studies.models.build import scene_meridian
 from studies.models.run_log import Run
 from studies.planning.levels import fineness
-from studies.report.plots import BESIDE, BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION, figure_file
+from studies.report.style import BESIDE, BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION, figure_file
 from studies.results.states import load_state
 from studies.scene.bellows import Scene, shape_of
 

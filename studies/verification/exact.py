@@ -13,10 +13,12 @@ from studies.models.body_session import OF_PATHS
 from studies.models.session import ROWS_FILE, SCENE_FILE
 from studies.planning.levels import fineness
 from studies.planning.plan import MODELS
-from studies.report import tables
-from studies.report.pages import duration, write_page
-from studies.report.scenes import SceneReport
-from studies.report.tables import MISSING, Table, rounded_up, run_label
+from studies.report import scene_tables
+from studies.report.labels import run_label
+from studies.report.numbers import MISSING, duration, rounded_up
+from studies.report.pages import write_page
+from studies.report.scene_report import SceneReport, anchor_of
+from studies.report.tables import Table
 from studies.results import provenance
 from studies.results.exact_answers import exact_bore_mm, exact_crossing_kpa
 from studies.results.files import SUMMARY_FILE, read_path, read_summary
@@ -68,7 +70,7 @@ def render_exact(folder: Path, scene_folders: Sequence[Path]) -> Path:
         "title": TITLE,
         "summary": _summary(pairs),
         "scenes": [_section(folder, scene, report) for scene, report in pairs],
-        "provenance": tables.provenance(reports, stamps),
+        "provenance": scene_tables.provenance(reports, stamps),
         "wall": duration(seconds),
     }
     return write_page(folder, "exact.md.j2", content)
@@ -100,7 +102,7 @@ def _read(folder: Path) -> SceneReport:
 
 
 def _section(folder: Path, scene: ExactScene, report: SceneReport) -> dict[str, Any]:
-    place = Path("pictures", f"{tables.anchor_of(report)}.png")
+    place = Path("pictures", f"{anchor_of(report)}.png")
     (folder / "pictures").mkdir(parents=True, exist_ok=True)
     quantity = _plotted(scene)
     drawn = scene.geometry.kind != "cylinder" and any(
@@ -109,7 +111,7 @@ def _section(folder: Path, scene: ExactScene, report: SceneReport) -> dict[str, 
     if drawn:
         _draw(folder / place, scene, report, quantity)
     return {
-        "anchor": tables.anchor_of(report),
+        "anchor": anchor_of(report),
         "name": report.name,
         "title": report.title,
         "toml": report.scene_toml.strip(),
@@ -118,8 +120,8 @@ def _section(folder: Path, scene: ExactScene, report: SceneReport) -> dict[str, 
         "quantity": _NAMES[quantity],
         "crossings": _crossings(report),
         "checks": _checks(report.rows),
-        "work": tables.work(report),
-        "times": tables.times(report),
+        "work": scene_tables.work(report),
+        "times": scene_tables.times(report),
         "notes": list(dict.fromkeys(note for run in report.runs for note in run.plan)),
     }
 

@@ -6,8 +6,10 @@ import math
 from pathlib import Path
 from typing import Final
 
+from studies.report.labels import run_label
+from studies.report.numbers import MISSING
 from studies.report.pages import write_page
-from studies.report.tables import MISSING, Table, run_label
+from studies.report.tables import Table
 from studies.results import provenance
 from studies.verification import two_routes as exact_table
 from studies.verification.exact import name_of

@@ -19,7 +19,8 @@ from studies.paper.claims import claims
 from studies.paper.numbers import number
 from studies.paper.report import write_paper_report
 from studies.paper.results import CaseResult, PaperResults
-from studies.report.tables import MISSING, Table
+from studies.report.numbers import MISSING
+from studies.report.tables import Table
 from studies.results.rows import read_rows, row
 from tests.studies.paper_demo import case_of, make_case, make_results, scene_of, usual_tip, whole
 

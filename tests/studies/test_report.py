@@ -12,9 +12,10 @@ import pytest
 from matplotlib.image import imread as read_png
 from numpy.typing import NDArray
 
-from studies.report.pictures import RingBox, Still, draw_states
-from studies.report.scenes import SceneReport, verdict, write_report
-from studies.report.tables import headline
+from studies.report.pictures.child import draw_states
+from studies.report.pictures.stills import RingBox, Still
+from studies.report.scene_report import SceneReport, headline
+from studies.report.scenes import verdict, write_report
 from studies.results.files import PathRow, RunSummary, read_path
 from studies.results.rows import Row, read_rows, row
 

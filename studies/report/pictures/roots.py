@@ -11,7 +11,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, Normalize
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import MultipleLocator
 
@@ -21,8 +20,8 @@ from solvers.output import pressure_at_nodes
 from studies.models.build import scene_meridian
 from studies.models.run_log import Run
 from studies.planning.levels import fineness
-from studies.report.pictures import RingBox
-from studies.report.plots import figure_file
+from studies.report.pictures.stills import RingBox
+from studies.report.style import BELOW, RIGID, RIGID_EDGE, entry, figure_file
 from studies.results.measures import find_places, largest_stretches
 from studies.results.states import load_state
 from studies.scene.bellows import Scene, shape_of
@@ -36,7 +35,7 @@ _BEYOND_PERCENT: Final = 0.5
 _STRETCH_COLOURS, _STRESS_COLOURS = "YlOrRd", "YlGnBu"
 # Bands of mean stress: one of compression, then doubling, since thin walls carry many times the stress of thick ones.
 _FIRST_BAND_KPA: Final = 50.0
-_RING, _EDGE, _UNDEFORMED = "#d8d8d8", "#303030", "#8c8c8c"
+_UNDEFORMED = "#8c8c8c"
 # A cell as flat triangles of its corner, mid-edge and middle nodes, by its number of nodes.
 _FLAT: Final[dict[int, IntArray]] = {
     6: np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2], [3, 4, 5]]),
@@ -175,10 +174,10 @@ def draw_root_fields(path: Path, panels: Sequence[RootPanel]) -> str:
             bar.set_label(name)
             bar.ax.tick_params(labelsize=_TICK_POINTS)
             grid[-1, column].set_xlabel("axial, from the middle of the root, mm")
-        entries: list[Any] = [Line2D([], [], color=_UNDEFORMED, linewidth=0.9, label="without pressure")]
+        entries: list[Any] = [entry("without pressure", color=_UNDEFORMED, linewidth=0.9)]
         if any(panel.rings for panel in panels):
-            entries.append(Patch(facecolor=_RING, edgecolor=_EDGE, linewidth=0.8, label="half a rigid ring"))
-        figure.legend(handles=entries, loc="outside lower center", ncols=2, frameon=False, fontsize=9.0)
+            entries.append(Patch(**RIGID, label="half a rigid ring"))
+        figure.legend(handles=entries, ncols=2, fontsize=9.0, **BELOW)
         for axes, panel in zip(grid[:, 0], panels, strict=True):
             axes.set_title(panel.label, loc="left", fontsize=10.0)
             axes.set_ylabel("radius, mm")
@@ -195,12 +194,11 @@ def _draw(axes: Axes, panel: RootPanel, field: FloatArray, colours: str, norm: N
     for line in panel.undeformed_mm:
         axes.plot(*line.T, color=_UNDEFORMED, linewidth=0.9, zorder=2.0)
     for edge in _outer_edges(panel.triangles):
-        axes.plot(*panel.points_mm[edge].T, color=_EDGE, linewidth=0.6, zorder=4.0)
+        axes.plot(*panel.points_mm[edge].T, color=RIGID_EDGE, linewidth=0.6, zorder=4.0)
     for ring in panel.rings:
         left = ring.centre_mm - (0.5 * ring.width_mm if ring.centre_mm > 0.0 else 0.0)
         corner = (left, ring.inner_radius_mm)
-        box = Rectangle(corner, 0.5 * ring.width_mm, ring.height_mm, facecolor=_RING, edgecolor=_EDGE, linewidth=0.8)
-        axes.add_patch(box)
+        axes.add_patch(Rectangle(corner, 0.5 * ring.width_mm, ring.height_mm, **RIGID))
     axes.set_aspect("equal")
     axes.yaxis.set_major_locator(MultipleLocator(5.0))
     axes.tick_params(labelsize=_TICK_POINTS)

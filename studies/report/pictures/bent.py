@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from meshes.gaps import outlines
 from meshes.solid import FloatArray, IntArray, SolidMesh
 from solvers.state import State
-from studies.report.plots import BLUE, figure_file
+from studies.report.style import BLUE, figure_file
 from studies.scene.bellows import Scene, shape_of
 
 _WALL, _RING = "#b7d3e8", "#8c8c8c"
