@@ -74,7 +74,7 @@ def test_solvers_know_the_material_laws_and_never_a_bellows(path: Path) -> None:
     names = imports(path)
     assert not tops(names) & {"meshes", "studies", "gmsh"}
     foreign = {name for name in names if name.split(".")[0] == "analytical"}
-    assert all(name.startswith("analytical.materials") for name in foreign), foreign
+    assert all(name.startswith("analytical.laws.") for name in foreign), foreign
 
 
 @pytest.mark.parametrize("path", of_package("solvers") + of_package("studies"), ids=label)
