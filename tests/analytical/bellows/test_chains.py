@@ -1,88 +1,21 @@
-"""The three chains: printed numbers, an independent second route, the effect of every correction, arrays of designs."""
+"""The three chains: printed numbers, an independent second route, balances, arrays of designs."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import get_args
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
-from scipy.optimize import brentq
 
 from analytical.bellows.chains import closed_form, closed_form_balanced, closed_form_printed, validity_warnings
-from analytical.bellows.corrections import CORRECTIONS, effect_cm
 from analytical.bellows.dimensions import BellowsDesigns, BellowsDimensions, BellowsError, silicone_mass_g, with_seat
-from analytical.bellows.paper import PaperActuator, actuators
+from analytical.bellows.paper import PaperActuator
 from analytical.bellows.reading import Cut, Reading
-from analytical.laws.isotropic import OGDEN_CONVENTIONS, NeoHooke, Ogden, OgdenConvention, Yeoh
+from analytical.laws.isotropic import OGDEN_CONVENTIONS, NeoHooke, OgdenConvention, Yeoh
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
-
-ACTUATORS = actuators()
-every_actuator = pytest.mark.parametrize("actuator", ACTUATORS, ids=[actuator.name for actuator in ACTUATORS])
-
-
-def elongation_by_equations_cm(
-    actuator: PaperActuator,
-    pressure_mpa: float = 0.02,
-    linearised: bool = False,
-    ogden_derivative: bool = False,
-    ogden_wall_by_20: bool = False,
-    saturated: bool = True,
-    table: bool = False,
-    wall_stress_on_deformed_area: bool = False,
-) -> float:
-    """The paper's equations as they stand (pressure with its sign corrected), integrated over the stretch.
-
-    Independent of analytical.exact.tube; each flag puts back one printed form, except the last, which is neither.
-    """
-    d, law = actuator.dimensions, actuator.law
-    epsilon = d.wall_mm / d.root_radius_mm
-
-    def root_difference(stretch: float) -> float:
-        if ogden_derivative and isinstance(law, Ogden):  # eq. (9), j = theta, put into eq. (7)
-            return 2.0 * (stretch**2 - stretch**-2) * law.mu_mpa * stretch ** (law.alpha - 1.0)
-        return float(law.stress_difference(stretch, 1.0 / stretch, 1.0))
-
-    def inner_stretch(outer: float) -> float:
-        if linearised:  # eq. (14)
-            return outer + (2.0 * epsilon + epsilon**2) * (outer**2 - 1.0) / (2.0 * outer)
-        return math.sqrt(1.0 + (1.0 + epsilon) ** 2 * (outer**2 - 1.0))
-
-    def root_pressure(outer: float) -> float:  # eqs. (16), (17)
-        if outer == 1.0:
-            return 0.0
-        integral = quad(
-            lambda s: root_difference(s) / (s * (s**2 - 1.0)),
-            outer,
-            inner_stretch(outer),
-            epsabs=1e-14,
-            epsrel=1e-12,
-        )
-        return float(integral[0])
-
-    unfolded = (d.crest_radius_mm + d.wall_mm) / (d.root_radius_mm + d.wall_mm)
-    if saturated and root_pressure(unfolded) <= pressure_mpa:
-        root = unfolded
-    elif table:
-        tabulated = np.arange(1.0, 3.0, 0.1)
-        root = float(np.interp(pressure_mpa, [root_pressure(s) for s in tabulated], tabulated))
-    else:
-        root = brentq(lambda s: root_pressure(s) - pressure_mpa, 1.0, 6.0, xtol=1e-14)
-    wall_law = law
-    if ogden_wall_by_20 and isinstance(law, Ogden):
-        wall_law = dragon_skin_30("mu/alpha")
-    stress = pressure_mpa * d.crest_radius_mm**2 / ((d.root_radius_mm + d.wall_mm) ** 2 - d.root_radius_mm**2)
-
-    def wall_excess(stretch: float) -> float:
-        area = 1.0 / stretch if wall_stress_on_deformed_area else 1.0
-        return float(wall_law.stress_difference(stretch, 1.0 / stretch, 1.0)) * area - stress
-
-    wall = brentq(wall_excess, 1.0, 10.0, xtol=1e-14)
-    side = wall * math.hypot(d.half_pitch_mm, d.crest_radius_mm - d.root_radius_mm)
-    drop = (d.crest_radius_mm + d.wall_mm) - root * (d.root_radius_mm + d.wall_mm)
-    return 0.1 * 2.0 * d.convolutions * (math.sqrt(side**2 - drop**2) - d.half_pitch_mm)
+from tests.analytical.bellows.by_equations import elongation_by_equations_cm
+from tests.analytical.bellows.cases import ACTUATORS, every_actuator
 
 
 def elongation_cm(actuator: PaperActuator, pressure_kpa: float = 20.0) -> float:
@@ -122,53 +55,6 @@ def test_unfolding_pressures_of_the_thin_pair(index: int, known_kpa: float) -> N
 def test_fold_back_of_the_print() -> None:
     # 0.56 cm is known for the second actuator from eq. (14) as printed, without saturation
     assert elongation_by_equations_cm(ACTUATORS[1], linearised=True, saturated=False) == pytest.approx(0.56, abs=0.005)
-
-
-EFFECTS: dict[str, Callable[[PaperActuator], float]] = {
-    "Ogden derivative at the root": lambda actuator: elongation_by_equations_cm(actuator, ogden_derivative=True),
-    "inner stretch": lambda actuator: elongation_by_equations_cm(actuator, linearised=True),
-    "steps of the root stretch": lambda actuator: elongation_by_equations_cm(actuator, table=True),
-    "Ogden convention of the wall": lambda actuator: elongation_by_equations_cm(actuator, ogden_wall_by_20=True),
-    "full unfolding": lambda actuator: elongation_by_equations_cm(actuator, saturated=False),
-}
-
-
-@pytest.mark.parametrize("name", EFFECTS)
-@every_actuator
-def test_effect_of_each_misprint(name: str, actuator: PaperActuator) -> None:
-    (correction,) = [correction for correction in CORRECTIONS if correction.name == name]
-    by_equations = elongation_by_equations_cm(actuator) - EFFECTS[name](actuator)
-    # two routes through different quadratures and root finders; differences of lengths of 10 cm
-    assert effect_cm(correction, actuator.dimensions, actuator.law, 20.0) == pytest.approx([by_equations], abs=1e-9)
-
-
-@every_actuator
-def test_effect_of_the_deformed_area(actuator: PaperActuator) -> None:
-    (correction,) = [correction for correction in CORRECTIONS if correction.name == "wall on the deformed area"]
-    by_equations = elongation_by_equations_cm(actuator, wall_stress_on_deformed_area=True)
-    change = by_equations - elongation_by_equations_cm(actuator)
-    assert effect_cm(correction, actuator.dimensions, actuator.law, 20.0) == pytest.approx([change], abs=1e-9)
-
-
-def test_corrections_are_named_and_told_apart() -> None:
-    assert len({correction.name for correction in CORRECTIONS}) == len(CORRECTIONS)
-    wording = [correction.name for correction in CORRECTIONS if correction.without == correction.with_]
-    assert wording == ["crest radius", "local radius", "wall offset", "strain for stretch", "elongation of the whole"]
-    unevaluable = [correction for correction in CORRECTIONS if correction.without is None]
-    assert [correction.name for correction in unevaluable] == ["sign of the pressure"]
-    assert np.isnan(effect_cm(unevaluable[0], ACTUATORS[0].dimensions, ACTUATORS[0].law, [5.0, 20.0])).all()
-
-
-def test_the_printed_sign_only_lets_a_root_shrink() -> None:
-    # eq. (16) as printed, from lambda_i to lambda_o: negative where the root widens, so nothing to evaluate
-    def printed_16(outer: float, inner: float) -> float:
-        def integrand(s: float) -> float:
-            return float(DRAGON_SKIN_10.stress_difference(s, 1.0 / s, 1.0)) / (s * (1.0 - s**2))
-
-        return -quad(integrand, inner, outer)[0]
-
-    assert printed_16(1.2, 1.28) < 0.0
-    assert printed_16(0.9, 0.85) > 0.0
 
 
 @every_actuator

@@ -10,7 +10,7 @@ import pytest
 
 from analytical.bellows.chains import closed_form
 from analytical.bellows.dimensions import BellowsDesigns, BellowsError
-from analytical.bellows.paper import PaperActuator, actuators
+from analytical.bellows.paper import PaperActuator
 from analytical.bellows.validity import (
     cap_bulge_mm,
     free_root_stretch,
@@ -21,16 +21,14 @@ from analytical.bellows.validity import (
 from analytical.exact.homogeneous import stretch_at_stress
 from analytical.exact.tube import Tube, deformed_radius_mm, state_at_pressure
 from analytical.laws.isotropic import Law, NeoHooke
-from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
+from analytical.laws.silicones import DRAGON_SKIN_10
+from tests.analytical.bellows.cases import ACTUATORS, every_actuator
+from tests.analytical.cases import each_of_three_laws
 
-ACTUATORS = actuators()
-LAWS: tuple[Law, ...] = (NeoHooke(0.1), DRAGON_SKIN_10, dragon_skin_30("2mu/alpha^2"))
 PRESSURES_KPA = np.array([0.0, 2.0, 8.0, 20.0])
-every_actuator = pytest.mark.parametrize("actuator", ACTUATORS, ids=[actuator.name for actuator in ACTUATORS])
-every_law = pytest.mark.parametrize("law", LAWS, ids=str)
 
 
-@every_law
+@each_of_three_laws
 @pytest.mark.parametrize("ratio", [1.1, 1.4, 3.0])
 @pytest.mark.parametrize("pressure_mpa", [1e-3, 0.01, 0.02])
 def test_free_root_is_the_exact_tube_with_free_ends(law: Law, ratio: float, pressure_mpa: float) -> None:

@@ -25,18 +25,10 @@ from analytical.exact.homogeneous import (
     stretch_at_stress,
 )
 from analytical.laws.isotropic import IsotropicLaw, NeoHooke, Ogden, Yeoh
-from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
+from tests.analytical.cases import every_law
 
-LAWS: tuple[IsotropicLaw, ...] = (
-    NeoHooke(0.1),
-    DRAGON_SKIN_10,
-    dragon_skin_30("2mu/alpha^2"),
-    dragon_skin_30("mu/alpha"),
-    Ogden(-0.1, -3.0, "mu/alpha"),
-)
 STRETCHES = np.geomspace(0.3, 5.0, 25)
 
-every_law = pytest.mark.parametrize("law", LAWS, ids=str)
 every_mode = pytest.mark.parametrize("mode", MODES)
 
 

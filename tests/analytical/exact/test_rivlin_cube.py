@@ -22,16 +22,7 @@ from analytical.exact.cube import (
 )
 from analytical.laws.isotropic import IsotropicLaw, NeoHooke, Ogden
 from analytical.laws.numerical import EnergyLaw
-from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
-
-LAWS: tuple[IsotropicLaw, ...] = (
-    NeoHooke(0.1),
-    DRAGON_SKIN_10,
-    dragon_skin_30("2mu/alpha^2"),
-    dragon_skin_30("mu/alpha"),
-    Ogden(-0.1, -3.0, "mu/alpha"),
-)
-every_law = pytest.mark.parametrize("law", LAWS, ids=str)
+from tests.analytical.cases import LAWS, SECOND_DIFFERENCE, every_law
 
 
 def isochoric_basis() -> np.ndarray[Any, Any]:
@@ -43,15 +34,13 @@ def isochoric_basis() -> np.ndarray[Any, Any]:
 def second_variation(law: IsotropicLaw, state: CubeState) -> np.ndarray[Any, Any]:
     """Hessian of the potential along exp(eps H) F over all H without trace, by central differences of order 8."""
     h = 0.02
-    # Fornberg, Math. Comp. 51 (1988) 699, table 1
-    weights = {0: -205.0 / 72.0, 1: 8.0 / 5.0, 2: -1.0 / 5.0, 3: 8.0 / 315.0, 4: -1.0 / 560.0}
     basis, gradient = isochoric_basis(), np.diag(state.stretches)
     steps = np.arange(-4, 5)
 
     def curvature(direction: np.ndarray[Any, Any]) -> float:
         turns = np.array([expm(h * k * direction) for k in steps])
         potential = total_potential_mpa(law, state.tension_mpa, turns @ gradient)
-        return float(sum(weights[abs(k)] * value for k, value in zip(steps, potential, strict=True))) / h**2
+        return float(sum(SECOND_DIFFERENCE[abs(k)] * value for k, value in zip(steps, potential, strict=True))) / h**2
 
     diagonal = [curvature(a) for a in basis]
     matrix = np.diag(diagonal)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from analytical.exact.search import first_solution
 from scipy.optimize import brentq
 
+from analytical.exact.search import first_solution
 from analytical.exact.tube import (
     ENDS,
     Ends,
@@ -25,9 +24,9 @@ from analytical.exact.tube import (
     stored_energy_n,
 )
 from analytical.laws.isotropic import Law, NeoHooke
-from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
+from analytical.laws.silicones import DRAGON_SKIN_10
+from tests.analytical.cases import THREE_LAWS, derivative, each_of_three_laws
 
-LAWS: tuple[Law, ...] = (NeoHooke(0.1), DRAGON_SKIN_10, dragon_skin_30("2mu/alpha^2"))
 TUBES = (Tube(10.0, 10.5), Tube(5.0, 7.0), Tube(1.0, 8.0))
 # inner stretches a/A: collapsed, at rest, inflated
 INNER_STRETCHES = (0.7, 1.0, 1.4, 2.5)
@@ -35,15 +34,8 @@ INNER_STRETCHES = (0.7, 1.0, 1.4, 2.5)
 every_ends = pytest.mark.parametrize("ends", ENDS)
 every_state = pytest.mark.parametrize(
     ("law", "tube", "inner_stretch"),
-    [(law, tube, stretch) for law in LAWS for tube in TUBES for stretch in INNER_STRETCHES],
+    [(law, tube, stretch) for law in THREE_LAWS for tube in TUBES for stretch in INNER_STRETCHES],
 )
-
-
-def derivative(function: Callable[[float], float], at: float) -> float:
-    """Central difference of order 8; with h = 1e-2 truncation and round-off are both about 1e-13 relative."""
-    h = 1e-2 * at
-    weights = (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0)
-    return sum(w * (function(at + k * h) - function(at - k * h)) for k, w in enumerate(weights, start=1)) / h
 
 
 def scale_mpa(state: TubeState, law: Law) -> float:
@@ -79,7 +71,7 @@ def test_axial_force_is_what_the_ends_carry(law: Law, tube: Tube, inner_stretch:
     )
 
 
-@pytest.mark.parametrize("law", LAWS)
+@each_of_three_laws
 @pytest.mark.parametrize("inner_stretch", [0.7, 1.4])
 @every_ends
 def test_state_from_pressure_inverts(law: Law, inner_stretch: float, ends: Ends) -> None:

@@ -14,23 +14,15 @@ from analytical.exact.tube import Tube, pressure_at_inner_radius_mpa
 from analytical.laws.errors import MaterialError
 from analytical.laws.isotropic import IsotropicLaw, NeoHooke, Ogden, Yeoh
 from analytical.laws.numerical import EnergyLaw
-from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
+from analytical.laws.silicones import dragon_skin_30
 from analytical.laws.stability import check_stability
-
-LAWS: tuple[IsotropicLaw, ...] = (
-    NeoHooke(0.1),
-    DRAGON_SKIN_10,
-    dragon_skin_30("2mu/alpha^2"),
-    dragon_skin_30("mu/alpha"),
-    Ogden(-0.1, -3.0, "mu/alpha"),
-)
-every_law = pytest.mark.parametrize("law", LAWS, ids=str)
+from tests.analytical.cases import LAWS, every_law
 
 MU, J_LIMIT = 0.1, 20.0
 
 
 def gent(l1: ArrayLike, l2: ArrayLike, l3: ArrayLike) -> Any:
-    """Gent, Rubber Chem. Technol. 69 (1996) 59: a law that `materials` does not have, MPa."""
+    """Gent, Rubber Chem. Technol. 69 (1996) 59: a law that the package does not have, MPa."""
     x = np.asarray(l1) ** 2 + np.asarray(l2) ** 2 + np.asarray(l3) ** 2 - 3.0
     return -0.5 * MU * J_LIMIT * np.log(1.0 - x / J_LIMIT)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -21,27 +20,13 @@ from analytical.exact.torsion import (
 )
 from analytical.laws.isotropic import IsotropicLaw, NeoHooke, Ogden
 from analytical.laws.numerical import EnergyLaw
-from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
+from analytical.laws.silicones import DRAGON_SKIN_10
+from tests.analytical.cases import LAWS, derivative, every_law
 
-LAWS: tuple[IsotropicLaw, ...] = (
-    NeoHooke(0.1),
-    DRAGON_SKIN_10,
-    dragon_skin_30("2mu/alpha^2"),
-    dragon_skin_30("mu/alpha"),
-    Ogden(-0.1, -3.0, "mu/alpha"),
-)
 # surface shears psi A of 0.15, 1.5 and -6
 STATES = tuple(TwistedCylinder(3.0, twist, stretch) for twist in (0.05, 0.5, -2.0) for stretch in (0.7, 1.0, 1.6))
 
-every_law = pytest.mark.parametrize("law", LAWS, ids=str)
 every_state = pytest.mark.parametrize(("law", "state"), [(law, state) for law in LAWS for state in STATES])
-
-
-def derivative(function: Callable[[float], float], at: float) -> float:
-    """Central difference of order 8; with h = 1e-2 truncation and round-off are both about 1e-13 relative."""
-    h = 1e-2 * at
-    weights = (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0)
-    return sum(w * (function(at + k * h) - function(at - k * h)) for k, w in enumerate(weights, start=1)) / h
 
 
 def scale_mpa(state: TwistedCylinder, law: IsotropicLaw) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -24,23 +23,16 @@ from analytical.exact.sphere import (
 )
 from analytical.laws.isotropic import Law, NeoHooke, Ogden
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
+from tests.analytical.cases import THREE_LAWS, derivative, each_of_three_laws
 
-LAWS: tuple[Law, ...] = (NeoHooke(0.1), DRAGON_SKIN_10, dragon_skin_30("2mu/alpha^2"))
 SPHERES = (Sphere(10.0, 10.5), Sphere(5.0, 10.0), Sphere(1.0, 5.0))
 # inner stretches a/A: collapsed, at rest, inflated
 INNER_STRETCHES = (0.7, 1.0, 1.2, 2.5)
 
 every_state = pytest.mark.parametrize(
     ("law", "sphere", "inner_stretch"),
-    [(law, sphere, stretch) for law in LAWS for sphere in SPHERES for stretch in INNER_STRETCHES],
+    [(law, sphere, stretch) for law in THREE_LAWS for sphere in SPHERES for stretch in INNER_STRETCHES],
 )
-
-
-def derivative(function: Callable[[float], float], at: float) -> float:
-    """Central difference of order 8; with h = 1e-2 truncation and round-off are both about 1e-13 relative."""
-    h = 1e-2 * at
-    weights = (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0)
-    return sum(w * (function(at + k * h) - function(at - k * h)) for k, w in enumerate(weights, start=1)) / h
 
 
 def scale_mpa(sphere: Sphere, law: Law, inner_mm: float) -> float:
@@ -71,7 +63,7 @@ def test_neo_hooke_in_closed_form(inner_stretch: float, ratio: float) -> None:
     assert pressure == pytest.approx(exact, abs=1e-13 * mu * (1.0 + inner_stretch**-4))
 
 
-@pytest.mark.parametrize("law", LAWS)
+@each_of_three_laws
 @pytest.mark.parametrize("inner_stretch", [0.1, 0.5, 2.0, 20.0])
 @pytest.mark.parametrize("ratio", [1.1, 10.0, 50.0])
 def test_quadrature_is_at_round_off(law: Law, inner_stretch: float, ratio: float) -> None:
@@ -138,7 +130,7 @@ def test_radius_from_pressure_inverts(law: Law, sphere: Sphere, inner_stretch: f
         assert found == pytest.approx(inner_mm, rel=1e-11)
 
 
-@pytest.mark.parametrize("law", LAWS)
+@each_of_three_laws
 def test_pressure_falls_all_the_way_into_collapse(law: Law) -> None:
     # so that the one root below rest is the first
     for sphere in SPHERES:
@@ -200,7 +192,7 @@ def test_pressure_beyond_the_limit_point_is_refused() -> None:
         inner_radius_at_pressure_mm(sphere, law, (1.0 + 1e-8) * limit.pressure_mpa)
 
 
-@pytest.mark.parametrize("law", LAWS)
+@each_of_three_laws
 @pytest.mark.parametrize("hoop", [0.8, 1.3, 2.0])
 def test_thin_shell_carries_two_t_sigma_over_r(law: Law, hoop: float) -> None:
     gaps = []
@@ -216,7 +208,7 @@ def test_thin_shell_carries_two_t_sigma_over_r(law: Law, hoop: float) -> None:
     assert orders == pytest.approx(2.0, abs=0.01)
 
 
-@pytest.mark.parametrize("law", LAWS)
+@each_of_three_laws
 def test_small_pressure_is_lames_sphere(law: Law) -> None:
     sphere = SPHERES[1]
     mu, a3, b3 = law.initial_shear_modulus_mpa, 5.0**3, 10.0**3

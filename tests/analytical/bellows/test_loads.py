@@ -8,12 +8,9 @@ import pytest
 from analytical.bellows.chains import closed_form
 from analytical.bellows.dimensions import BellowsError
 from analytical.bellows.loads import held_tip, pressure_at_elongation_kpa
-from analytical.bellows.paper import PaperActuator, actuators
-from analytical.bellows.reading import BALANCED, CORRECTED, Reading
-
-ACTUATORS = actuators()
-every_actuator = pytest.mark.parametrize("actuator", ACTUATORS, ids=[actuator.name for actuator in ACTUATORS])
-every_chain = pytest.mark.parametrize("reading", [CORRECTED, BALANCED], ids=["corrected", "balanced"])
+from analytical.bellows.paper import PaperActuator
+from analytical.bellows.reading import Reading
+from tests.analytical.bellows.cases import ACTUATORS, every_actuator, every_chain
 
 
 @every_actuator
