@@ -65,7 +65,7 @@ class ClosedFormPath:
     Attributes
     ----------
     dimensions, law, reading
-        What was asked.
+        What was requested.
     pressure_kpa
         Pressures, kPa.
     root_stretch

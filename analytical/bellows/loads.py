@@ -1,4 +1,4 @@
-"""The closed form asked the other way round: pressure for an elongation, force at a held tip.
+"""The closed form the other way round: pressure for an elongation, force at a held tip.
 
 Source of the chain: Heung et al., Biomimetics 2024, 9, 160, DOI 10.3390/biomimetics9030160, section 3; the tip force is
 its force balance F_resistive = F_pressure (eqs. (1), (22)) with what is missing to it.

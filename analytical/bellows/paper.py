@@ -155,7 +155,8 @@ ALTERNATE_FAMILIES: Final[tuple[InferredFamily, InferredFamily]] = (
 )
 FAMILIES: Final = (REFERENCE_FAMILY, *ALTERNATE_FAMILIES)
 
-# Dragon Skin 30 as in eq. (3). In the other convention no set fits whose reading order agrees with the text.
+# Dragon Skin 30 as in eq. (3), initial shear modulus 75 kPa. In the other convention no set fits whose reading order
+# agrees with the text.
 LAWS: Final[Mapping[Silicone, Law]] = {
     "dragon-skin-10": DRAGON_SKIN_10,
     "dragon-skin-30": dragon_skin_30("2mu/alpha^2"),
@@ -187,12 +188,12 @@ def printed(
     families: Iterable[InferredFamily] = FAMILIES,
 ) -> PrintedElongation | None:
     """Printed elongations of the actuator with these dimensions (mm), None if it is of none of the families."""
-    asked = (wall_mm, root_radius_mm, crest_radius_mm, half_pitch_mm, convolutions)
+    requested = (wall_mm, root_radius_mm, crest_radius_mm, half_pitch_mm, convolutions)
     for actuator in (actuator for family in families for actuator in actuators(family)):
         d = actuator.dimensions
         known = (d.wall_mm, d.root_radius_mm, d.crest_radius_mm, d.half_pitch_mm, d.convolutions)
         # 1e-9: the same number after a round trip through text or another unit.
-        if all(math.isclose(one, other, rel_tol=1e-9) for one, other in zip(asked, known, strict=True)):
+        if all(math.isclose(one, other, rel_tol=1e-9) for one, other in zip(requested, known, strict=True)):
             return actuator.printed
     return None
 

@@ -152,7 +152,7 @@ def state_at_pressure(body: Tube | Sphere, law: IsotropicLaw, kappa_mpa: float, 
     """
     if not math.isfinite(pressure_mpa):
         raise CompressibleError(f"pressure = {pressure_mpa} MPa is not a finite number")
-    # where the incompressible wall has no pressure; the search starts downwards if this one has more than asked
+    # where the incompressible wall has no pressure; the search starts downwards if this one has more than requested
     start = body.inner_radius_mm / math.sqrt(_axial_stretch(body))
     bounds = (STRETCH_RANGE[0] * body.inner_radius_mm, STRETCH_RANGE[1] * body.inner_radius_mm)
     inner_mm, furthest = first_solution(

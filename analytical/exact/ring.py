@@ -67,7 +67,7 @@ _POINTS, _WEIGHTS = legendre.leggauss(48)
 
 
 class RingError(ValueError):
-    """A ring that does not buckle as asked; the message names value and remedy."""
+    """A ring that does not buckle as requested; the message names value and remedy."""
 
 
 @dataclass(frozen=True)
