@@ -210,7 +210,7 @@ study-stacks: check ## as root: the same rows on three stacks, and what each cos
 	$(PY) -m studies.stacks.study $(STACKS:%=results/stacks/%) --out results/stacks
 
 .PHONY: study-closed-form
-study-closed-form: check ## chains, mends, validity, laws and exact solutions -> results/closed-form
+study-closed-form: check ## chains, corrections, validity, laws and exact solutions -> results/closed-form
 	$(PY) -m studies closed-form --out results/closed-form
 
 .PHONY: benchmark-closed-form

@@ -17,11 +17,12 @@ from typing import Any, Generic, Literal, Protocol, TypeVar
 import click
 from mpi4py import MPI
 
-from analytical.bellows import BellowsError
+from analytical.bellows.dimensions import BellowsError
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
 from studies.progress import Progress
-from studies.report.pages import duration, write_page
+from studies.report.numbers import duration
+from studies.report.pages import write_page
 from studies.report.tables import Table
 from studies.results import provenance
 from studies.results.rows import Row, write_rows
