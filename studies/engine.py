@@ -31,8 +31,10 @@ REACHED, STOPPED = 0, 3
 FAULTS = (GeometryError, MeshError, SolverError, BellowsError)
 ROWS_FILE = "rows.csv"
 
-# Studies in the order of a reader's questions; each is a folder here, which holds study.py and page.md.j2.
-NAMES = ("vacuum",)
+# Studies in the order of a reader's questions, and the module that has each as STUDY.
+STUDIES: Mapping[str, str] = {
+    "vacuum": "studies.vacuum.study",
+}
 
 
 class Named(Protocol):
@@ -120,9 +122,13 @@ class Study(Generic[CaseT, ResultT]):
     Attributes
     ----------
     name
-        Its folder below ``studies``, and what the command line calls it.
+        What the command line calls it.
     title
         Heading of its page.
+    question
+        What it asks, a sentence: under the heading, and in the list of studies.
+    template
+        Its page below ``studies``, such as ``vacuum/page.md.j2``; it extends ``study.md.j2``.
     cases
         All cases for the values of its options; names are unique. Raises SceneError before anything is written.
     solve
@@ -140,6 +146,8 @@ class Study(Generic[CaseT, ResultT]):
 
     name: str
     title: str
+    question: str
+    template: str
     cases: Callable[[Mapping[str, Any]], Sequence[CaseT]]
     solve: Callable[[CaseT, Setting], ResultT]
     page: Callable[[Sequence[Solved[CaseT, ResultT]], Setting], Page]
@@ -147,22 +155,11 @@ class Study(Generic[CaseT, ResultT]):
     options: tuple[click.Parameter, ...] = ()
     prepare: Callable[[Sequence[CaseT], Setting], Sequence[str]] | None = None
 
-    @property
-    def template(self) -> str:
-        """Its page's template, which extends ``study.md.j2``."""
-        return f"{self.name.replace('-', '_')}/page.md.j2"
-
 
 def load_study(name: str) -> Study[Any, Any]:
     """A study by its name, such as ``closed-form``."""
-    study: Study[Any, Any] = pkgutil.resolve_name(f"studies.{name.replace('-', '_')}.study:STUDY")
+    study: Study[Any, Any] = pkgutil.resolve_name(f"{STUDIES[name]}:STUDY")
     return study
-
-
-def question(name: str) -> str:
-    """What a study asks: the first line of its package's docstring."""
-    package = pkgutil.resolve_name(f"studies.{name.replace('-', '_')}")
-    return (package.__doc__ or "").strip().split("\n")[0]
 
 
 def run(study: Study[CaseT, ResultT], out: Path, comm: MPI.Comm, options: Mapping[str, Any]) -> int:
@@ -261,7 +258,7 @@ def _write(
         write_rows(setting.out / name, rows)
     facts: dict[str, Any] = {
         "title": study.title,
-        "question": question(study.name),
+        "question": study.question,
         "stopped": stopped,
         "bars": bars_table(page.bars),
         "wall": duration(wall_s),

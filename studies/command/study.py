@@ -16,27 +16,28 @@ class _Studies(click.Group):
     """Every study is a command; it is imported when it is asked for, for some take half a second."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        from studies.engine import NAMES
+        from studies.engine import STUDIES
 
-        return list(NAMES)
+        return list(STUDIES)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        from studies.engine import load_study, question
+        from studies.engine import load_study
 
-        if cmd_name not in self.list_commands(ctx):
-            return None
-        if ctx.invoked_subcommand is None and ctx.resilient_parsing:
-            return click.Command(cmd_name, help=question(cmd_name))
-        return command_of(load_study(cmd_name), question(cmd_name))
+        return command_of(load_study(cmd_name)) if cmd_name in self.list_commands(ctx) else None
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        from studies.engine import question
-
         with formatter.section("Studies"):
-            formatter.write_dl([(name, question(name)) for name in self.list_commands(ctx)])
+            formatter.write_dl(questions())
 
 
-def command_of(study: Any, question: str) -> click.Command:
+def questions() -> list[tuple[str, str]]:
+    """Every study and what it asks."""
+    from studies.engine import STUDIES, load_study
+
+    return [(name, load_study(name).question) for name in STUDIES]
+
+
+def command_of(study: Any) -> click.Command:
     """The command of a study, with its own options after ``--out``."""
 
     def call(out: Path | None, **options: Any) -> None:
@@ -48,7 +49,7 @@ def command_of(study: Any, question: str) -> click.Command:
 
     text = f"Folder for runs, rows and report.  [default: results/{study.name}]"
     option = click.Option(["--out"], type=click.Path(path_type=Path), help=text)
-    return click.Command(study.name, callback=call, params=[option, *study.options], help=question)
+    return click.Command(study.name, callback=call, params=[option, *study.options], help=study.question)
 
 
 @click.group(cls=_Studies, invoke_without_command=True)
@@ -65,8 +66,5 @@ def study(ctx: click.Context, listed: bool) -> None:
     bellowsx study vacuum --out results/vacuum
     mpirun -n 2 bellowsx study paper --part core
     """
-    from studies.engine import NAMES, question
-
     if ctx.invoked_subcommand is None:
-        width = max(map(len, NAMES))
-        say("\n".join(f"{name:{width}}  {question(name)}" for name in NAMES) if listed else ctx.get_help())
+        say("\n".join(f"{name:22}  {question}" for name, question in questions()) if listed else ctx.get_help())

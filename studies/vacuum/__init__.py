@@ -1,1 +1,1 @@
-"""What do bellows contract to when their cavity is evacuated, with contact of their folds?"""
+"""The vacuum study: contraction of bellows whose cavity is evacuated."""

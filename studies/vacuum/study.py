@@ -83,6 +83,8 @@ def page(solved: Sequence[Solved[Scene, list[Run]]], at: Setting) -> Page:
 STUDY: Final = Study(
     name="vacuum",
     title="Bellows under vacuum",
+    question="What do bellows contract to when their cavity is evacuated, with contact of their folds?",
+    template="vacuum/page.md.j2",
     cases=cases,
     solve=solve,
     page=page,

@@ -15,7 +15,7 @@ from mpi4py import MPI
 
 from solvers.errors import SolverError
 from studies.command.study import command_of, study
-from studies.engine import NAMES, Bar, Page, Setting, Solved, Study, load_study, question, run
+from studies.engine import STUDIES, Bar, Page, Setting, Solved, Study, load_study, run
 from studies.results.kept import content_key, keep, kept, read_kept
 from studies.results.rows import read_rows, row
 from studies.scene.sections import SceneError
@@ -46,7 +46,7 @@ def study_of(*values: float, share: Literal["each", "all", "first"] = "each") ->
         return [Case(f"case-{k}", value) for k, value in enumerate(values)]
 
     # the template of the vacuum study shows whatever sections there are
-    return Study("vacuum", "Squares", cases, solve, page, share)
+    return Study("squares", "Squares", "How large?", "vacuum/page.md.j2", cases, solve, page, share)
 
 
 @pytest.mark.parametrize("share", ["each", "all", "first"])
@@ -80,7 +80,7 @@ def test_bad_cases_are_refused_with_nothing_written(tmp_path: Path) -> None:
     def refuse(options: Mapping[str, Any]) -> list[Case]:
         raise SceneError("scene x: no wall")
 
-    command = command_of(dataclasses.replace(study_of(1.0), cases=refuse), "Why?")
+    command = command_of(dataclasses.replace(study_of(1.0), cases=refuse))
     done = CliRunner().invoke(command, ["--out", str(tmp_path / "new")])
     assert done.exit_code == 2 and "scene x: no wall" in done.output
     assert not (tmp_path / "new").exists()
@@ -113,15 +113,15 @@ def test_keys_change_with_content_and_sources(tmp_path: Path) -> None:
     assert len(keys) == 4
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", STUDIES)
 def test_every_study_loads_and_asks_a_question(name: str, root: Path) -> None:
     found = load_study(name)
     assert found.name == name
-    assert question(name).endswith("?")
+    assert found.question.endswith("?")
     assert (root / "studies" / found.template).exists()
     assert CliRunner().invoke(study, [name, "--help"]).exit_code == 0
 
 
 def test_the_list_has_every_study() -> None:
     listed = CliRunner().invoke(study, ["--list"]).output
-    assert all(f"{name} " in listed and question(name) in listed for name in NAMES)
+    assert all(f"{name} " in listed and load_study(name).question in listed for name in STUDIES)
