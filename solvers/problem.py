@@ -18,7 +18,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from analytical.materials import StiffSolid
+from analytical.laws.stiff import StiffSolid
 from solvers import compat
 from solvers.bodies.rigid import BondedBodies, RigidBodies
 from solvers.bodies.turning import Turning

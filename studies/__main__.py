@@ -17,9 +17,10 @@ from types import TracebackType
 import click
 from mpi4py import MPI
 
-from analytical.bellows import BellowsError
+from analytical.bellows.dimensions import BellowsError
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
+from studies.command.study import study
 from studies.models import session
 from studies.models.kinds import AnyPlan, description, plan_for, run
 from studies.planning.error_model import ROUNDS, cells_of
@@ -358,7 +359,7 @@ def verification_command(out: Path, reuse: Path | None) -> None:
 @main.command("closed-form")
 @OUT_OPTION
 def closed_form(out: Path) -> None:
-    """Write the report of the closed form: chains, mends, validity, material laws, exact solutions."""
+    """Write the report of the closed form: chains, corrections, validity, material laws, exact solutions."""
     from studies.closed_form import study as closed_form_study
 
     _writable(out)
@@ -372,7 +373,7 @@ def closed_form(out: Path) -> None:
 def dimensions_command(out: Path, write_scenes: bool) -> None:
     """Find the dimensions that meet the paper's closed-form numbers and pick three sets of them.
 
-    The exit code is 3 if the picks are not those that analytical/paper.py records; scenes/ is then left alone.
+    The exit code is 3 if the picks are not those that analytical/bellows/paper.py records; scenes/ is then left alone.
     """
     from studies.dimensions import scenes as dimension_scenes
     from studies.dimensions import study as dimensions
@@ -383,7 +384,9 @@ def dimensions_command(out: Path, write_scenes: bool) -> None:
     picks = dimensions.write_study(out).picks
     click.echo(f"report: {out / 'report.html'}")
     if not picks.as_recorded:
-        click.echo(f"analytical/paper.py: FAMILIES is not what the rule picks, {picks.families}: edit it", err=True)
+        click.echo(
+            f"analytical/bellows/paper.py: FAMILIES is not what the rule picks, {picks.families}: edit it", err=True
+        )
         sys.exit(STOPPED)
     if write_scenes:
         for path in dimension_scenes.write_scenes(provenance.ROOT / "scenes", picks.families):
@@ -444,6 +447,9 @@ def _report(folder: Path) -> None:
         place = folder / "exact" if bellows else folder
         place.mkdir(exist_ok=True)
         click.echo(f"report: {render_exact(place, exact)}")
+
+
+main.add_command(study)
 
 
 def _end_all_ranks(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:

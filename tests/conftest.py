@@ -269,7 +269,7 @@ def make_problem():
 @pytest.fixture(scope="session")
 def bellows_problem(one_convolution, coarse_meridian, coarse_solid, make_problem):
     """Cached bellows of one convolution with rigid rings, graded bond: its mesh, problem and factor."""
-    from analytical.materials import DRAGON_SKIN_10, dragon_skin_30
+    from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
     from meshes.solid import FACETS
     from solvers.bodies.rigid import RigidBodies
     from solvers.linear.factor import Factor

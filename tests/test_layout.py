@@ -62,6 +62,13 @@ def test_analytical_needs_numpy_and_scipy_only(path: Path) -> None:
     assert tops(imports(path)) <= allowed
 
 
+@pytest.mark.parametrize("path", of_package("analytical"), ids=label)
+def test_rooms_of_analytical_know_the_laws_and_not_each_other(path: Path) -> None:
+    room = path.relative_to(ROOT).parts[1]
+    used = {name.split(".")[1] for name in imports(path) if name.startswith("analytical.")}
+    assert used <= {"arrays", "laws", room}
+
+
 @pytest.mark.parametrize("path", of_package("meshes"), ids=label)
 def test_meshes_know_shapes_and_never_physics(path: Path) -> None:
     used = tops(imports(path))
@@ -74,7 +81,7 @@ def test_solvers_know_the_material_laws_and_never_a_bellows(path: Path) -> None:
     names = imports(path)
     assert not tops(names) & {"meshes", "studies", "gmsh"}
     foreign = {name for name in names if name.split(".")[0] == "analytical"}
-    assert all(name.startswith("analytical.materials") for name in foreign), foreign
+    assert all(name.startswith("analytical.laws.") for name in foreign), foreign
 
 
 @pytest.mark.parametrize("path", of_package("solvers") + of_package("studies"), ids=label)

@@ -15,7 +15,7 @@ from typing import Any
 
 import ufl
 
-from analytical.materials import StiffSolid
+from analytical.laws.stiff import StiffSolid
 from solvers.discrete.kinematics import Kinematics, cofactor
 from solvers.energy.laws import CompiledLaw
 

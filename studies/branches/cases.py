@@ -17,13 +17,13 @@ import numpy as np
 from mpi4py import MPI
 from scipy.spatial import cKDTree
 
-from analytical import cube
-from analytical.elastica import CRITICAL_LOAD, LARGEST_MOVE, bent_ring
-from analytical.materials import NeoHooke
-from analytical.ring import first_buckling
-from analytical.sphere import Sphere
-from analytical.tube import Tube
-from analytical.two_spheres import TwoSpheres
+from analytical.exact import cube
+from analytical.exact.elastica import CRITICAL_LOAD, LARGEST_MOVE, bent_ring
+from analytical.exact.ring import first_buckling
+from analytical.exact.sphere import Sphere
+from analytical.exact.tube import Tube
+from analytical.exact.two_spheres import TwoSpheres
+from analytical.laws.isotropic import NeoHooke
 from meshes.bodies import block, sphere_meridian, tube_meridian
 from meshes.solid import FACETS, FloatArray, SolidMesh
 from meshes.sweep import revolve_hexahedra

@@ -13,7 +13,7 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
-from analytical.materials import FloatArray
+from analytical.arrays import FloatArray
 from studies.report.style import BLUE, GREEN, VERMILION, figure_file
 
 # Percent at which the colour changes: orange against purple, told apart by colour-blind readers, white below 5 %.

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 import numpy as np
 from mpi4py import MPI
 
-from analytical import sphere as exact_sphere
-from analytical import tube as exact_tube
-from analytical.materials import DRAGON_SKIN_10
+from analytical.exact import sphere as exact_sphere
+from analytical.exact import tube as exact_tube
+from analytical.laws.silicones import DRAGON_SKIN_10
 from meshes.bodies import sphere_meridian, tube_meridian
 from meshes.solid import FACETS, FloatArray, SolidMesh
 from meshes.surface import boundary_edges

@@ -11,9 +11,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from analytical.fit import WITHIN
-from analytical.materials import SILICONE_DENSITY_G_CM3
-from analytical.paper import PRINTED_MASS_G, PRINTED_PRESSURE_KPA
+from analytical.bellows.fit.members import WITHIN
+from analytical.bellows.paper import PRINTED_MASS_G, PRINTED_PRESSURE_KPA
+from analytical.laws.silicones import SILICONE_DENSITY_G_CM3
 from studies.dimensions import plots as dimension_plots
 from studies.dimensions import tables as dimension_tables
 from studies.dimensions.fit import (
@@ -50,7 +50,7 @@ def write_study(folder: Path) -> DimensionStudy:
     Returns
     -------
     DimensionStudy
-        What was found; `Picks.as_recorded` says whether analytical/paper.py still holds it.
+        What was found; `Picks.as_recorded` says whether analytical/bellows/paper.py still holds it.
     """
     begin = time.perf_counter()
     study = run_study()

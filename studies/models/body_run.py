@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from mpi4py import MPI
 
-from analytical.materials import SILICONE_DENSITY_G_CM3
+from analytical.laws.silicones import SILICONE_DENSITY_G_CM3
 from meshes.quality import region_volumes_mm3
 from meshes.solid import SolidMesh
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium

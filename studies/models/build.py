@@ -9,7 +9,7 @@ import math
 import numpy as np
 from mpi4py import MPI
 
-from analytical.materials import SILICONE_DENSITY_G_CM3
+from analytical.laws.silicones import SILICONE_DENSITY_G_CM3
 from meshes.cells import CellKind
 from meshes.eccentric import shift_core
 from meshes.errors import GeometryError

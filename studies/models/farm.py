@@ -22,8 +22,8 @@ from typing import Any
 from mpi4py import MPI
 from mpi4py.futures import MPICommExecutor
 
-from analytical.bellows import BellowsError
-from analytical.chains import closed_form
+from analytical.bellows.chains import closed_form
+from analytical.bellows.dimensions import BellowsError
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
 from studies.models.run_log import Run, finished_run
@@ -61,7 +61,7 @@ class SweepRow:
     quantity, unit
         ``tip_mm``, or ``tip_force_n`` of a blocked tip, and its unit.
     closed_form, closed_form_balanced, closed_form_seat
-        The mended chain, the balanced one, and the mended one with the free half pitch.
+        The corrected chain, the balanced one, and the corrected one with the free half pitch.
     unfolding_kpa
         Pressure at which the closed form is fully unfolded.
     axisymmetric, uncertainty, level

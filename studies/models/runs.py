@@ -19,8 +19,8 @@ from typing import Literal
 import numpy as np
 from mpi4py import MPI
 
-from analytical.bellows_loads import held_tip
-from analytical.chains import closed_form
+from analytical.bellows.chains import closed_form
+from analytical.bellows.loads import held_tip
 from meshes.solid import SolidMesh
 from solvers.errors import Cause, SolverError
 from solvers.linear.factor import Factor
@@ -94,7 +94,7 @@ def run_closed_form(scene: Scene, folder: Path, comm: MPI.Comm) -> Run:
 
     Raises
     ------
-    analytical.bellows.BellowsError
+    analytical.bellows.dimensions.BellowsError
         If it has no answer for the scene.
     """
     begin = time.perf_counter()

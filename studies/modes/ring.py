@@ -8,9 +8,9 @@ import math
 import numpy as np
 from mpi4py import MPI
 
-from analytical.materials import NeoHooke
-from analytical.ring import LOADS, Load, first_buckling
-from analytical.tube import Tube
+from analytical.exact.ring import LOADS, Load, first_buckling
+from analytical.exact.tube import Tube
+from analytical.laws.isotropic import NeoHooke
 from meshes.bodies import tube_meridian
 from meshes.solid import FACETS
 from solvers.discrete.domain import create_domain

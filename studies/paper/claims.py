@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from analytical.paper import PRINTED, PaperActuator
+from analytical.bellows.paper import PRINTED, PaperActuator
 from studies.models.run_log import Run
 from studies.paper.cases import REFERENCE_SCENES, THICK, THIN
 from studies.paper.numbers import (
@@ -337,7 +337,7 @@ def _gap(
     for name, row in zip(REFERENCE_SCENES, PRINTED, strict=True):
         found = tip(named(results, name), model)
         ours.append(f"{0.1 * found.value - row.experiment_cm:+.1f}" if found and is_known(found) else "–")
-    label = "axisymmetric model" if model == "axisymmetric" else "mended closed form"
+    label = "axisymmetric model" if model == "axisymmetric" else "corrected closed form"
     finding = (
         f"Printed columns, test subtracted: {printed} cm ({percent} % of the test); our {label} with the inferred "
         f"dimensions: {', '.join(ours)} cm. In the order {', '.join(REFERENCE_SCENES)}."

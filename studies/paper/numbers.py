@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from typing import Final
 
-from analytical.paper import FAMILIES, PRINTED_PRESSURE_KPA, InferredFamily, PaperActuator, actuators
+from analytical.bellows.paper import FAMILIES, PRINTED_PRESSURE_KPA, InferredFamily, PaperActuator, actuators
 from studies.models.run_log import Run
 from studies.paper.results import CaseResult, PaperResults, find
 from studies.report.labels import TIP

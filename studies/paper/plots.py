@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
-from analytical.paper import ALTERNATE_FAMILIES, PRINTED_PRESSURE_KPA, REFERENCE_FAMILY, actuators
+from analytical.bellows.paper import ALTERNATE_FAMILIES, PRINTED_PRESSURE_KPA, REFERENCE_FAMILY, actuators
 from studies.closed_form.tables import SILICONES, STRETCH_AT_BREAK
 from studies.models.run_log import Run
 from studies.paper.cases import REFERENCE_SCENES, RING_VARIANTS, THICK

@@ -13,8 +13,8 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from analytical import bellows_loads, chains
-from analytical.paper import actuators
+from analytical.bellows import chains, loads
+from analytical.bellows.paper import actuators
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
 from studies.models.run_log import finished_run
@@ -125,7 +125,7 @@ def read_results(folder: Path, cases: Sequence[Case]) -> PaperResults:
 def _measured(place: Path, result: SceneResult) -> tuple[Row, ...]:
     """The measured rows of a case; kept beside its runs, for measuring some hundred states takes a minute."""
     hashes = [run.summary.content_hash for run in result.axisymmetric]
-    key = key_of(hashes, code=[measures, chains, bellows_loads, compare, uncertainty])
+    key = key_of(hashes, code=[measures, chains, loads, compare, uncertainty])
     rows_file, key_file = place / "measured.csv", place / "measured.key"
     if not (rows_file.exists() and key_file.exists() and key_file.read_text(encoding="utf-8") == key):
         write_rows(rows_file, measures.measured_rows(result.scene, result.axisymmetric, place))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from analytical.paper import PaperActuator
+from analytical.bellows.paper import PaperActuator
 from studies.closed_form.tables import SILICONES
 from studies.paper.numbers import (
     PRESSURES_KPA,

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from analytical.paper import PRINTED
+from analytical.bellows.paper import PRINTED
 from studies.closed_form.tables import SILICONES, STRETCH_AT_BREAK
 from studies.models.run_log import Run
 from studies.paper.cases import RING_VARIANTS, THICK, THIN

@@ -35,7 +35,10 @@ def write_page(folder: Path, template: str, content: Mapping[str, Any]) -> Path:
         report.html.
     """
     environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        loader=FileSystemLoader([_TEMPLATES, _TEMPLATES.parents[1]]),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
     environment.filters["cell"] = _cell
     text = environment.get_template(template).render(content)

@@ -10,11 +10,11 @@ from typing import Literal
 
 import numpy as np
 
-from analytical import paper
-from analytical.bellows import BellowsDimensions, BellowsError, with_seat
-from analytical.bellows_loads import held_tip
-from analytical.chains import ClosedFormPath, closed_form, closed_form_balanced, closed_form_printed
-from analytical.materials import Law
+from analytical.bellows import paper
+from analytical.bellows.chains import ClosedFormPath, closed_form, closed_form_balanced, closed_form_printed
+from analytical.bellows.dimensions import BellowsDimensions, BellowsError, with_seat
+from analytical.bellows.loads import held_tip
+from analytical.laws.isotropic import Law
 from studies.models.run_log import Run
 from studies.planning.error_model import AROUND, cells_of
 from studies.planning.levels import body_level, fineness
@@ -228,7 +228,7 @@ def _status(run: Run, value: float) -> str:
 
 
 def _closed_forms(scene: Scene, pressure_kpa: float) -> list[tuple[str, float, str]]:
-    """(model, main quantity, status) of the closed form: its chains, and the mended one with the free half pitch."""
+    """(model, main quantity, status) of the closed form: its chains, and the corrected one with the free half pitch."""
     if scene.load.sense < 0.0:
         return []  # it has no vacuum
     nominal = dimensions_of(scene)

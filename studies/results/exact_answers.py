@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from analytical import compressible, cube, ring, sphere, torsion, tube
-from analytical.compressible import CompressibleError
-from analytical.cube import CubeError
-from analytical.ring import RingError
-from analytical.sphere import SphereError
-from analytical.tube import TubeError
+from analytical.exact import compressible, cube, ring, sphere, torsion, tube
+from analytical.exact.compressible import CompressibleError
+from analytical.exact.cube import CubeError
+from analytical.exact.ring import RingError
+from analytical.exact.sphere import SphereError
+from analytical.exact.tube import TubeError
 from studies.scene.bellows import GuccioneMaterial, NeoHookeMaterial, inverse_kappa, law_of
 from studies.scene.bodies import ExactScene
 from studies.scene.body_geometry import (
@@ -107,7 +107,7 @@ def _ring_bore(scene: ExactScene, body: tube.Tube, load: float) -> Answer:
         return NONE
 
     def outside(inner_mm: float) -> float:
-        """Pressure outside, negative as in analytical.tube, as it is given in the scene."""
+        """Pressure outside, negative as in analytical.exact.tube, as it is given in the scene."""
         pressure = tube.pressure_at_inner_radius_mpa(body, law, inner_mm)
         if scene.load_kind == "external":
             return pressure

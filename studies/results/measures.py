@@ -1,6 +1,6 @@
 """The closed form's assumptions, measured in the axisymmetric states of a scene.
 
-What a state is measured for, and beside it what the closed form (`analytical.chains`, mended chain) says of the same:
+What a state is measured for, and beside it what the closed form (`bellows.chains`, corrected chain) says of the same:
 
 ============================  ====  ===================================================================================
 ``root_stretch_outer``        1     hoop stretch of the roots' outside at their throat; the model's lambda_y
@@ -30,9 +30,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.spatial import cKDTree
 
-from analytical.bellows import BellowsError
-from analytical.bellows_loads import held_tip
-from analytical.chains import closed_form
+from analytical.bellows.chains import closed_form
+from analytical.bellows.dimensions import BellowsError
+from analytical.bellows.loads import held_tip
 from meshes.cells import QUADRILATERAL_NODES, TRIANGLE_EDGES, CellKind, CellShape
 from meshes.meridian import Band, bellows_band, default_resolution
 from meshes.solid import REGIONS, FloatArray, IntArray

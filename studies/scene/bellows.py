@@ -12,19 +12,11 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from analytical.bellows import BellowsDimensions
-from analytical.materials import (
-    PLA,
-    POLYETHYLENE,
-    Guccione,
-    Law,
-    MaterialError,
-    NeoHooke,
-    Ogden,
-    StiffSolid,
-    Yeoh,
-    check_stability,
-)
+from analytical.bellows.dimensions import BellowsDimensions
+from analytical.laws.errors import MaterialError
+from analytical.laws.isotropic import Guccione, Law, NeoHooke, Ogden, Yeoh
+from analytical.laws.stability import check_stability
+from analytical.laws.stiff import PLA, POLYETHYLENE, StiffSolid
 from meshes.bellows import BellowsShape, check_shape
 from meshes.errors import GeometryError
 from meshes.ring import RingShape

@@ -11,7 +11,7 @@ from typing import Any
 import ufl
 from dolfinx import fem
 
-from analytical.materials import Law
+from analytical.laws.isotropic import Law
 from solvers import compat
 from solvers.discrete.domain import Domain
 from solvers.discrete.elements import QUADRATURE_DEGREE, Element

@@ -20,7 +20,8 @@ import numpy as np
 import tomlkit
 from mpi4py import MPI
 
-from analytical.materials import MaterialError, StiffSolid
+from analytical.laws.errors import MaterialError
+from analytical.laws.stiff import StiffSolid
 from meshes.bodies import sphere_meridian, tube_meridian
 from meshes.errors import GeometryError, MeshError
 from meshes.meridian import default_resolution, meridian_mesh

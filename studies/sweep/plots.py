@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
-from analytical.materials import FloatArray
+from analytical.arrays import FloatArray
 from studies.report.style import BLACK, BLUE, figure_file
 
 Kind = Literal["elongation", "percent"]

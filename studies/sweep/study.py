@@ -11,8 +11,8 @@ from typing import Any, Final
 import numpy as np
 from mpi4py import MPI
 
-from analytical import paper
-from analytical.materials import FloatArray
+from analytical.arrays import FloatArray
+from analytical.bellows import paper
 from studies.closed_form.tables import SILICONES
 from studies.models.farm import OUTCOME_FILE, REFUSED, TABLE_FILE, SweepOutcome, SweepRow, read_table, run_sweep
 from studies.progress import Progress

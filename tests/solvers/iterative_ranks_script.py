@@ -8,7 +8,7 @@ import json
 import numpy as np
 from mpi4py import MPI
 
-from analytical.materials import DRAGON_SKIN_10
+from analytical.laws.silicones import DRAGON_SKIN_10
 from meshes.bellows import BellowsShape
 from meshes.meridian import Resolution, meridian_mesh
 from meshes.solid import FACETS

@@ -12,7 +12,8 @@ import sys
 import numpy as np
 from mpi4py import MPI
 
-from analytical.materials import DRAGON_SKIN_10, Law, NeoHooke
+from analytical.laws.isotropic import Law, NeoHooke
+from analytical.laws.silicones import DRAGON_SKIN_10
 from meshes.bellows import BellowsShape
 from meshes.meridian import Resolution, meridian_mesh
 from meshes.revolve import revolve, revolve_scalar, revolve_vector

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from analytical.materials import NeoHooke, Yeoh
-from analytical.sphere import Sphere, limit_point, pressure_at_inner_radius_mpa
-from analytical.two_spheres import TwoSpheres
+from analytical.exact.sphere import Sphere, limit_point, pressure_at_inner_radius_mpa
+from analytical.exact.two_spheres import TwoSpheres
+from analytical.laws.isotropic import NeoHooke, Yeoh
 from meshes.bodies import sphere_meridian
 from meshes.solid import FACETS
 from solvers.errors import Cause, StepFailed

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import solvers.paths.path
-from analytical.materials import dragon_skin_30
+from analytical.laws.silicones import dragon_skin_30
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from analytical.materials import DRAGON_SKIN_10
+from analytical.laws.silicones import DRAGON_SKIN_10
 from meshes.meridian import meridian_mesh
 from meshes.solid import FACETS
 from meshes.sweep import revolve_hexahedra

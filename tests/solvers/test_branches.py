@@ -9,11 +9,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from analytical import cube
-from analytical.elastica import CRITICAL_LOAD, bent_ring
-from analytical.materials import NeoHooke
-from analytical.sphere import Sphere
-from analytical.two_spheres import TwoSpheres
+from analytical.exact import cube
+from analytical.exact.elastica import CRITICAL_LOAD, bent_ring
+from analytical.exact.sphere import Sphere
+from analytical.exact.two_spheres import TwoSpheres
+from analytical.laws.isotropic import NeoHooke
 from meshes.bodies import block, sphere_meridian, tube_meridian
 from meshes.solid import FACETS
 from meshes.sweep import revolve_hexahedra

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from analytical.materials import DRAGON_SKIN_10
+from analytical.laws.silicones import DRAGON_SKIN_10
 from meshes.bellows import BellowsShape, cap_band, corner_band, wall_segments
 from meshes.revolve import revolve
 from meshes.solid import FACETS, SolidMesh

@@ -9,7 +9,7 @@ import pytest
 from mpi4py import MPI
 from scipy.spatial.transform import Rotation
 
-from analytical.materials import DRAGON_SKIN_10
+from analytical.laws.silicones import DRAGON_SKIN_10
 from meshes.bodies import block
 from meshes.solid import FACETS, SolidMesh
 from solvers.discrete.domain import create_domain

@@ -8,11 +8,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from analytical.materials import DRAGON_SKIN_10
-from analytical.sphere import Sphere
-from analytical.sphere import deformed_radius_mm as sphere_radius_mm
-from analytical.sphere import pressure_at_inner_radius_mpa as sphere_pressure_mpa
-from analytical.tube import Tube, inner_radius_at_outer_mm, pressure_at_inner_radius_mpa
+from analytical.exact.sphere import Sphere
+from analytical.exact.sphere import deformed_radius_mm as sphere_radius_mm
+from analytical.exact.sphere import pressure_at_inner_radius_mpa as sphere_pressure_mpa
+from analytical.exact.tube import Tube, inner_radius_at_outer_mm, pressure_at_inner_radius_mpa
+from analytical.laws.silicones import DRAGON_SKIN_10
 from meshes.bodies import sphere_meridian
 from meshes.gaps import outlines
 from meshes.solid import FACETS

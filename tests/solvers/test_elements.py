@@ -6,13 +6,9 @@ import numpy as np
 import pytest
 import ufl
 
-from analytical.materials import DRAGON_SKIN_10, Law, NeoHooke, dragon_skin_30
-from analytical.tube import (
-    Tube,
-    hydrostatic_pressure_mpa,
-    pressure_at_inner_radius_mpa,
-    radial_displacement_mm,
-)
+from analytical.exact.tube import Tube, hydrostatic_pressure_mpa, pressure_at_inner_radius_mpa, radial_displacement_mm
+from analytical.laws.isotropic import Law, NeoHooke
+from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from meshes.meridian import CellKind, Resolution, meridian_mesh
 from meshes.revolve import revolve
 from meshes.solid import FACETS, SolidMesh

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from analytical.materials import DRAGON_SKIN_10
+from analytical.laws.silicones import DRAGON_SKIN_10
 from meshes.sweep import revolve_hexahedra
 from solvers.bodies.rigid import RigidBodies, moved
 from solvers.state import State

@@ -8,10 +8,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from analytical.materials import DRAGON_SKIN_10, PLA, NeoHooke, dragon_skin_30
-from analytical.ring import critical_pressure_mpa, first_buckling
-from analytical.sphere import Sphere, limit_point
-from analytical.tube import Tube
+from analytical.exact.ring import critical_pressure_mpa, first_buckling
+from analytical.exact.sphere import Sphere, limit_point
+from analytical.exact.tube import Tube
+from analytical.laws.isotropic import NeoHooke
+from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
+from analytical.laws.stiff import PLA
 from meshes.bodies import sphere_meridian
 from meshes.solid import FACETS
 from solvers import compat
@@ -254,7 +256,7 @@ def test_ring_buckles_at_the_exact_pressures_in_two_and_three_waves(strip, sides
 
 
 def test_counts_agree_with_ritz_beyond_the_first_buckling(strip, sides, make_problem) -> None:
-    from analytical.ring import unstable_modes
+    from analytical.exact.ring import unstable_modes
 
     tube, law = Tube(10.0, 12.0), NeoHooke(0.1)
     problem = ring_problem(strip, sides, make_problem, "external")

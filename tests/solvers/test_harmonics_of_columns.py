@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from analytical.materials import NeoHooke
+from analytical.laws.isotropic import NeoHooke
 from meshes.revolve import revolve_vector
 from meshes.sweep import revolve_hexahedra
 from solvers.bodies.rigid import RigidBodies

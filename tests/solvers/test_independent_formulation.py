@@ -11,7 +11,8 @@ from dolfinx import fem
 from dolfinx.fem.petsc import assemble_vector
 from mpi4py import MPI
 
-from analytical.materials import DRAGON_SKIN_10, Law, NeoHooke
+from analytical.laws.isotropic import Law, NeoHooke
+from analytical.laws.silicones import DRAGON_SKIN_10
 from meshes.solid import FACETS
 from solvers.discrete.domain import create_domain
 from solvers.discrete.elements import QUADRATURE_DEGREE

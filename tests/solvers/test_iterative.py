@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analytical.materials import DRAGON_SKIN_10
+from analytical.laws.silicones import DRAGON_SKIN_10
 from meshes.meridian import Resolution, meridian_mesh
 from meshes.revolve import revolve
 from meshes.solid import FACETS

@@ -17,7 +17,7 @@ def test_memory_that_runs_out_is_a_failed_step(bellows_problem, monkeypatch, con
     problem = bellows_problem(3).problem
     problem.set_state(problem.zero_state())
     before = problem.state.x.array.copy()
-    # ICNTL(23) = 1: MUMPS may use 1 MB, which neither a larger share of it nor the disk mends
+    # ICNTL(23) = 1: MUMPS may use 1 MB, which neither a larger share of it nor the disk cures
     monkeypatch.setattr(linear, "ICNTL", {**linear.ICNTL, **controls})
     factor = linear.Factor(problem)
     with pytest.raises(StepFailed, match="MUMPS failed with INFOG.* even with the factors on disk") as failure:

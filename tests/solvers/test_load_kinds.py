@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analytical.materials import DRAGON_SKIN_10, NeoHooke
+from analytical.laws.isotropic import NeoHooke
+from analytical.laws.silicones import DRAGON_SKIN_10
 from meshes.revolve import revolve
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import SolverError

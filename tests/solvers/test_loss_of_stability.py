@@ -12,7 +12,7 @@ import pytest
 from numpy.polynomial import chebyshev, legendre
 from scipy.optimize import brentq, minimize_scalar
 
-from analytical.materials import NeoHooke, Yeoh
+from analytical.laws.isotropic import NeoHooke, Yeoh
 from meshes.revolve import revolve
 from meshes.solid import TETRAHEDRON_EDGES, SolidMesh
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium

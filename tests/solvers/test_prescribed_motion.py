@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from analytical.materials import Guccione, NeoHooke
-from analytical.torsion import TwistedCylinder, torque_nmm
+from analytical.exact.torsion import TwistedCylinder, torque_nmm
+from analytical.laws.isotropic import Guccione, NeoHooke
 from meshes.bodies import cook_membrane, cylinder_meridian
 from meshes.revolve import revolve
 from meshes.solid import FACETS

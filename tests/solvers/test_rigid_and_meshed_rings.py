@@ -7,7 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from analytical.materials import DRAGON_SKIN_10, PLA
+from analytical.laws.silicones import DRAGON_SKIN_10
+from analytical.laws.stiff import PLA
 from meshes.meridian import default_resolution, meridian_mesh
 from meshes.ring import RingShape
 from meshes.solid import FACETS, REGIONS, SolidMesh

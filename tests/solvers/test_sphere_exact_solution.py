@@ -5,8 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analytical.materials import DRAGON_SKIN_10, Law, dragon_skin_30
-from analytical.sphere import Sphere, hydrostatic_pressure_mpa, pressure_at_inner_radius_mpa, radial_displacement_mm
+from analytical.exact.sphere import (
+    Sphere,
+    hydrostatic_pressure_mpa,
+    pressure_at_inner_radius_mpa,
+    radial_displacement_mm,
+)
+from analytical.laws.isotropic import Law
+from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from meshes.bodies import sphere_meridian
 from meshes.revolve import revolve
 from meshes.solid import FACETS

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from analytical.materials import DRAGON_SKIN_10, NeoHooke, dragon_skin_30
+from analytical.laws.isotropic import NeoHooke
+from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from meshes.solid import SolidMesh
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.linear.factor import Factor

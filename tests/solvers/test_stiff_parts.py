@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analytical.materials import DRAGON_SKIN_10, StiffSolid
+from analytical.laws.silicones import DRAGON_SKIN_10
+from analytical.laws.stiff import StiffSolid
 from meshes.bodies import tube_meridian
 from meshes.solid import FACETS
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium

@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analytical.materials import DRAGON_SKIN_10, PLA, Law, NeoHooke, dragon_skin_30
+from analytical.laws.isotropic import Law, NeoHooke
+from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
+from analytical.laws.stiff import PLA
 from meshes.revolve import revolve
 from meshes.solid import SolidMesh
 from solvers.bodies.rigid import RigidBodies, moved

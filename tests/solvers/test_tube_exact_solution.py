@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analytical.materials import DRAGON_SKIN_10, Law, dragon_skin_30
-from analytical.tube import (
+from analytical.exact.tube import (
     Tube,
     axial_force_n,
     hydrostatic_pressure_mpa,
@@ -14,6 +13,8 @@ from analytical.tube import (
     radial_displacement_mm,
     stored_energy_n,
 )
+from analytical.laws.isotropic import Law
+from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from meshes.revolve import revolve
 from meshes.solid import SolidMesh
 from solvers.equilibrium.newton import NewtonReport, NewtonSettings, solve_equilibrium

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from analytical.bellows_loads import held_tip
+from analytical.bellows.loads import held_tip
 from studies.__main__ import main
 from studies.models.runs import run_hash
 from studies.planning.plan import describe, make_plan

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from analytical.bellows_loads import held_tip
-from analytical.chains import closed_form
+from analytical.bellows.chains import closed_form
+from analytical.bellows.loads import held_tip
 from meshes.bellows import BellowsShape, wall_segments
 from solvers.state import State
 from studies.models.runs import run_axisymmetric
