@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Protocol
 
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from solvers.assembly.term import Term
 from solvers.discrete.domain import FloatArray
 from solvers.errors import Cause, StepFailed
 from solvers.state import Timer
@@ -30,8 +32,9 @@ class Factored(Protocol):
     timer: Timer
     owned: int
     extra: int
-    contact: Any
 
+    @property
+    def terms(self) -> Sequence[Term]: ...  # noqa: D102
     @property
     def comm(self) -> Any: ...  # noqa: D102
     @property
@@ -105,7 +108,8 @@ class Factor:
             If MUMPS fails for another reason than memory, or all that can be done about memory is done. The
             problem's state is as it was.
         """
-        if self.problem.contact is not None and self.problem.contact.grow():
+        grown = [term.grow() for term in self.problem.terms]
+        if any(grown):
             self.close()
             self.matrix = self.problem.new_matrix()
         self.problem.assemble_tangent(self.matrix)

@@ -17,12 +17,13 @@ from meshes.meridian import CellKind, Resolution, meridian_mesh
 from meshes.revolve import revolve
 from meshes.solid import FACETS, SolidMesh
 from meshes.sweep import revolve_hexahedra
-from solvers import compat
 from solvers.discrete.elements import P1_P0, P2_P0, P2_P1, Q2_P1, Element
+from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import SolverError
 from solvers.linear.factor import Factor
-from solvers.paths.path import PathSettings, follow_path
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathSettings
 from solvers.problem import Problem
 from solvers.state import State, pressure_at_corners
 
@@ -90,7 +91,7 @@ def orders(make, name: str, element: Element, levels, rms_errors) -> np.ndarray:
         mesh, problem = make(n, LAWS[name], element)
         start = guess(mesh, problem, name)
         problem.set_state(start)
-        report = solve_equilibrium(problem, Factor(problem), SETTINGS, pressure_mpa=start.load_mpa)
+        report = solve_equilibrium(problem, Factor(problem), SETTINGS, HeldLoad(start.load_mpa))
         assert report.excess_negatives == 0
         errors.append(rms_errors(mesh, problem.get_state(), displacement(name), pressure(name)))
     return np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
@@ -135,7 +136,7 @@ def test_pressures_of_neighbouring_cells_meet_as_the_mesh_is_refined(flat_tube, 
         mesh, problem = flat_tube(n, LAWS["yeoh"], element)
         start = guess(mesh, problem, "yeoh")
         problem.set_state(start)
-        solve_equilibrium(problem, Factor(problem), SETTINGS, pressure_mpa=start.load_mpa)
+        solve_equilibrium(problem, Factor(problem), SETTINGS, HeldLoad(start.load_mpa))
         jumps.append(rms_jump(mesh, problem.get_state().pressure_mpa))
     # a checkerboard would stay; theory 2 for constants, 4 for linear pressures; asked 1.8 of the finer pair: constants,
     # whose jumps at the boundary are between fewer cells, give 1.76 and 1.87
@@ -272,7 +273,7 @@ def test_tangent_is_the_difference_of_residuals(small, element: Element, dimensi
 
     def residual(h: float) -> np.ndarray:
         problem.state.x.array[:] = start + h * way
-        force = problem.internal_force()[0] - float(problem.pressure.value) * problem.volume_gradient()
+        force = problem.internal_force()[0] - float(problem.pressure.value) * problem.load.gradient()
         force[problem.constrained_owned] = 0.0
         return force
 
@@ -292,9 +293,9 @@ def test_potential_is_the_traction_between_planes_of_symmetry(round_tube) -> Non
     rng = np.random.default_rng(4)
     u = 0.3 * mesh.points @ rng.standard_normal((3, 3)) + 0.1 * rng.standard_normal(mesh.points.shape)
     problem.set_state(State(u, np.zeros(problem.pressure_shape), np.zeros((0, 0)), 0.0))
-    traction = compat.assemble_array(problem._traction_load, problem.index_map).array[: problem.owned]
+    traction = problem.load.traction()
     way = rng.standard_normal((5, problem.owned)) * ~problem.constrained_owned
-    gap = (way @ (problem.volume_gradient() - traction)) / (np.abs(way) @ np.abs(traction))
+    gap = (way @ (problem.load.gradient() - traction)) / (np.abs(way) @ np.abs(traction))
     # Gauss' rule of degree 5 integrates both exactly: round-off
     assert np.abs(gap).max() < 1e-13
 

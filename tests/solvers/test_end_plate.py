@@ -116,7 +116,7 @@ def test_tangent_under_pressure_sees_the_plate(tube) -> None:
         problem.bonded.values[:] = moved(base, h * turn[None], ARM_MM)
         problem.bonded.update(np.zeros(0))
         force, on_bodies = problem.internal_force()
-        force = force - float(problem.pressure.value) * problem.volume_gradient()
+        force = force - float(problem.pressure.value) * problem.load.gradient()
         force[problem.constrained_owned] = 0.0
         return np.concatenate([force, on_bodies])
 
