@@ -27,9 +27,10 @@ from solvers.contact.contact import Contact
 from solvers.discrete.domain import Domain, FloatArray
 from solvers.discrete.elements import QUADRATURE_DEGREE, Element, usual_element
 from solvers.discrete.kinematics import Kinematics, kinematics
+from solvers.discrete.sums import dot
 from solvers.energy.forms import build_forms
 from solvers.energy.laws import Law, compile_law
-from solvers.energy.loads import DEAD, load_forms, load_tangent
+from solvers.energy.loads import DEAD
 from solvers.state import State, Timer
 
 
@@ -94,6 +95,7 @@ class Problem:
         self.shear_modulus_mpa = float(law.initial_shear_modulus_mpa)
         self.contact: Contact | None = None
         self._number(frame)
+        self.pressure = fem.Constant(domain.mesh, 0.0)
         axes = None if frame is None else fem.Constant(domain.mesh, frame)
         kin = kinematics(domain.mesh, domain.axisymmetric, axes)
         with self.timer("compile"):
@@ -101,26 +103,19 @@ class Problem:
         self.law = compile_law(law, domain.mesh)
         with self.timer("compile"):
             self._compile(kin)
-        self.conservative = self.load.conservative
-        self.turning: Turning | None = None
-        if bodies is not None and self.bonded is not None and self.modes == 6:
-            self.turning = turning_bodies(self.unknowns, bodies, self.bonded.border.dofs)
         self._measure(kin)
 
     def _number(self, frame: FloatArray | None) -> None:
         """The unknowns, and short names for the usual ones."""
-        bodies, held = self.bodies, np.zeros((0, 0), dtype=bool)
-        if bodies is not None and self.surfaces.bond is not None:
-            held = bodies.held_motions(self.domain.axisymmetric)
-        of = Unknowns(self.domain, self.element, self.surfaces, self.stiff is not None, held, frame)
-        self.unknowns, self.dimension = of, of.dimension
-        self.space, self.state, self.index_map, self.owned = of.space, of.state, of.index_map, of.owned
-        self.u_dofs, self.p_dofs, self.pressure_shape = of.u_dofs, of.p_dofs, of.pressure_shape
+        held = np.zeros((0, 0), dtype=bool)
+        if self.bodies is not None and self.surfaces.bond is not None:
+            held = self.bodies.held_motions(self.domain.axisymmetric)
+        self.unknowns = of = Unknowns(self.domain, self.element, self.surfaces, self.stiff is not None, held, frame)
+        self.space, self.state, self.index_map = of.space, of.state, of.index_map
+        self.u_dofs, self.p_dofs, self.owned, self.extra = of.u_dofs, of.p_dofs, of.owned, of.extra
         self.owned_pressure, self.constrained_owned = of.owned_pressure, of.constrained_owned
-        self.body_values, self.held_bodies, self.extra = of.bodies_mm, of.held_bodies, of.extra
-        self.modes = held.shape[1]
+        self.body_values, self.held_bodies = of.bodies_mm, of.held_bodies
         self.expected_negatives = of.expected_negatives
-        self.pressure = fem.Constant(self.domain.mesh, 0.0)
 
     def _compile(self, kin: Kinematics) -> None:
         """Forms of solid, load and bond.
@@ -128,42 +123,39 @@ class Problem:
         UFL takes arguments made after a compilation for others than those made before: all forms come first, and those
         of the bodies, which compile some, last.
         """
-        mesh, degree, bodies = self.domain.mesh, self.quadrature_degree, self.bodies
+        degree, bodies, bond = self.quadrature_degree, self.bodies, self.surfaces.bond
         kind, loaded = self.surfaces.load
         ds = self.domain.ds(degree=degree)
         cells = cell_measures(self.domain, degree, self.stiff is not None)
-        kappa = fem.Constant(mesh, self.inverse_kappa)
+        kappa = fem.Constant(self.domain.mesh, self.inverse_kappa)
         solid = build_forms(self.space, self.state, kin, self.law, kappa, self.stiff, cells)
-        load = load_forms(kind, self.space, self.state, kin, ds(loaded))
         internal, energy = solid.internal_force, solid.energy
-        tangents = {
-            conservative: load_tangent(solid.tangent, load, kind, conservative, self.space, self.state, self.pressure)
-            for conservative in (True, False)
-        }
+        self.load = Load(kind, ds(loaded), self.unknowns, kin, self.pressure, self.timer)
+        tangents = self.load.tangents(solid.tangent)
         self.bonded: BondedBodies | None = None
-        if bodies is not None and self.surfaces.bond is not None:
-            sense = -1.0 if kind == "suction" else 1.0
-            self.bonded = bonded = BondedBodies(
-                self.unknowns, kin, bodies, ds(self.surfaces.bond), self.pressure, sense
-            )
-            internal, energy = internal + bonded.forms.internal_force, energy + bonded.forms.energy
-            tangents = {key: form + bonded.forms.tangent for key, form in tangents.items()}
+        self.turning: Turning | None = None
+        if bodies is not None and bond is not None:
+            self.bonded = BondedBodies(self.unknowns, kin, bodies, ds(bond), self.load)
+            self.turning = turning_bodies(self.unknowns, bodies, self.bonded.border.dofs)
+            internal, energy = internal + self.bonded.forms.internal_force, energy + self.bonded.forms.energy
+            tangents = {key: form + self.bonded.forms.tangent for key, form in tangents.items()}
         self._internal, self._energy = compat.compile_form(internal), compat.compile_form(energy)
-        self.load = Load(load, self.unknowns, bodies is not None and bodies.plate is not None, self.timer)
+        self.load.compile(closed=bodies is not None and bodies.plate is not None)
+        self.conservative = self.load.conservative
+        self._tangent = compat.compile_form(tangents[self.conservative])
         self.deformation = Deformation(self.unknowns, kin, degree, self.timer)
-        self._tangent = compat.compile_form(tangents[self.load.conservative])
 
     def _measure(self, kin: Kinematics) -> None:
         """What residuals of the volume and volumes are measured by."""
-        self.volume_measure = (kin.measure, ufl.dx(domain=self.domain.mesh, degree=self.quadrature_degree))
-        weight, dx = self.volume_measure
+        weight, dx = kin.measure, ufl.dx(domain=self.domain.mesh, degree=self.quadrature_degree)
+        self.volume_measure = (weight, dx)
         with self.timer("compile"):
             form = compat.compile_form(ufl.TestFunctions(self.space)[1] * weight * dx)
         unit = compat.assemble_array(form, self.index_map)
-        self.volume_scale = float(np.sqrt(self.comm.allreduce(float(unit @ unit), op=MPI.SUM)))
+        self.volume_scale = float(np.sqrt(dot(self.comm, unit, unit)))
         # the unloaded volume, or the body's where the load encloses none
         body = float(self.comm.allreduce(float(unit.sum()), op=MPI.SUM))
-        self.volume_unit_mm3 = body if self.surfaces.load[0] in DEAD else abs(self.cavity_volume())
+        self.volume_unit_mm3 = body if self.load.kind in DEAD else abs(self.cavity_volume())
 
     # ---- equations -------------------------------------------------------------------------------------
 
@@ -195,7 +187,7 @@ class Problem:
 
     def cavity_volume(self) -> float:
         """Volume on which the load does work, mm^3: enclosed for a cavity; see solvers.energy.loads for others."""
-        by_plate = 0.0 if self.bonded is None else self.bonded.sense * self.bonded.plate_volume()[0]
+        by_plate = 0.0 if self.bonded is None else self.load.sense * self.bonded.plate_volume()[0]
         return self.load.volume() + by_plate
 
     def energy(self) -> float:

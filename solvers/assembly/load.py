@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from dolfinx import fem
 from mpi4py import MPI
 
 from solvers import compat
 from solvers.assembly.unknowns import Unknowns
 from solvers.discrete.domain import FloatArray
-from solvers.energy.loads import LoadForms
+from solvers.discrete.kinematics import Kinematics
+from solvers.energy.loads import LoadKind, load_forms, load_tangent
 from solvers.state import Timer
 
 # Potential and traction form of a load are one load if their work on random directions differs by less than this.
@@ -16,17 +20,16 @@ SAME_LOAD = 1e-10
 
 
 class Load:
-    """Compiled forms of a unit load on a problem's unknowns.
+    """The load of a problem: its factor, and forms of a unit of it, of use once they are compiled.
 
     Parameters
     ----------
-    forms
-        See `solvers.energy.loads`.
-    unknowns
-        Their current values are those of the reference state; they are so again afterwards.
-    closed
-        True if a plate closes the cavity and its rim moves: then the potential is the load, and the wall's traction
-        only a part of it.
+    kind, measure
+        See `solvers.energy.loads.load_forms`.
+    unknowns, kin
+        Of the problem.
+    factor
+        The load factor P.
     timer
         Takes the seconds of assembly.
 
@@ -36,12 +39,43 @@ class Load:
         True if the potential is the load.
     """
 
-    def __init__(self, forms: LoadForms, unknowns: Unknowns, closed: bool, timer: Timer) -> None:
+    def __init__(
+        self, kind: LoadKind, measure: Any, unknowns: Unknowns, kin: Kinematics, factor: fem.Constant, timer: Timer
+    ) -> None:
+        self.kind, self.factor = kind, factor
         self._unknowns, self._timer = unknowns, timer
-        self._volume = compat.compile_form(forms.volume)
-        self._gradient = compat.compile_form(forms.volume_gradient)
-        self._traction = compat.compile_form(forms.traction)
+        self._forms = load_forms(kind, unknowns.space, unknowns.state, kin, measure)
+
+    def tangents(self, internal: Any) -> dict[bool, Any]:
+        """UFL tangents of internal force and load, for a load that is conservative or not."""
+        space, state = self._unknowns.space, self._unknowns.state
+        return {
+            conservative: load_tangent(internal, self._forms, self.kind, conservative, space, state, self.factor)
+            for conservative in (True, False)
+        }
+
+    def compile(self, closed: bool) -> None:
+        """Compile the forms and find out if the load is conservative; the unknowns are zero, and are so again then.
+
+        Parameters
+        ----------
+        closed
+            True if a plate closes the cavity and its rim moves: then the potential is the load, and the wall's traction
+            only a part of it.
+        """
+        self._volume = compat.compile_form(self._forms.volume)
+        self._gradient = compat.compile_form(self._forms.volume_gradient)
+        self._traction = compat.compile_form(self._forms.traction)
         self.conservative = closed or self._difference() <= SAME_LOAD
+
+    @property
+    def sense(self) -> float:
+        """1 if a unit load presses on a plate from inside, -1 if from outside."""
+        return -1.0 if self.kind == "suction" else 1.0
+
+    def inside_mpa(self) -> float:
+        """Pressure on a plate from inside."""
+        return self.sense * float(self.factor.value)
 
     def volume(self) -> float:
         """Volume on which the load does work, mm^3, without what a plate adds; see `solvers.energy.loads`."""

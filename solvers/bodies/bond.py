@@ -27,6 +27,7 @@ from mpi4py import MPI
 from scipy.spatial.transform import Rotation
 
 from solvers import compat
+from solvers.assembly.load import Load
 from solvers.assembly.tangent import Border, bonded_dofs
 from solvers.assembly.unknowns import Unknowns
 from solvers.bodies.plate import enclosed_by_plate
@@ -49,8 +50,8 @@ class BondedBodies:
         The bodies and their bond.
     measure
         Facet measure of the bonded surfaces, quadrature degree included.
-    pressure, sense
-        Load factor; it acts on a plate from inside if ``sense`` is 1, from outside if it is -1.
+    load
+        Of the problem: it acts on a plate too.
 
     Attributes
     ----------
@@ -68,14 +69,13 @@ class BondedBodies:
         kin: Kinematics,
         bodies: RigidBodies,
         measure: Any,
-        pressure: fem.Constant,
-        sense: float,
+        load: Load,
     ) -> None:
         domain, space = unknowns.domain, unknowns.space
         mesh = domain.mesh
         self.comm, self.centres_mm, self.arm_mm = domain.comm, bodies.centres_mm, bodies.arm_mm
         self._plate, self._plate_area = bodies.plate, bodies.plate_area_mm2
-        self._pressure, self.sense = pressure, sense
+        self.load = load
         self.values, self.is_held = unknowns.bodies_mm, unknowns.held_bodies
         self.count, self.modes = self.values.shape
         self.dead_force_n = 0.0 if bodies.plate is None or bodies.plate_held else bodies.plate_force_n
@@ -246,7 +246,7 @@ class BondedBodies:
 
     def add_force(self, on_dofs: FloatArray, on_bodies: FloatArray) -> None:
         """Add the derivative by the bodies' unknowns, with the pressure and the dead force on a plate."""
-        on_bodies += self.forces() - self.inside_mpa() * self.plate_volume()[1] - self.dead_forces()
+        on_bodies += self.forces() - self.load.inside_mpa() * self.plate_volume()[1] - self.dead_forces()
 
     def pattern(self) -> scipy.sparse.csr_matrix:
         """Places of the bodies' border."""
@@ -258,15 +258,11 @@ class BondedBodies:
 
     def add_to(self, matrix: Any) -> None:
         """Add the bodies' rows, columns and blocks."""
-        blocks = self.blocks() - self.inside_mpa() * self.plate_volume()[2]
+        blocks = self.blocks() - self.load.inside_mpa() * self.plate_volume()[2]
         self.border.add(matrix, self.columns(), blocks, self.is_held.reshape(self.values.shape))
 
     def check(self) -> None:
         """Nothing to refuse."""
-
-    def inside_mpa(self) -> float:
-        """Pressure on a plate from inside."""
-        return self.sense * float(self._pressure.value)
 
     def rms_slip_mm(self) -> float:
         """Root mean square slip, weighted with the bond's grade, mm."""

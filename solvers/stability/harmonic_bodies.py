@@ -142,7 +142,7 @@ class HarmonicBond:
         if self._bodies.plate is not None and waves == 1:
             # a plate that drifts and tilts encloses A/2 U . n more (solvers.bodies.plate)
             more = 0.5 * self._bodies.plate_area_mm2 / arm
-            blocks[self._bodies.plate] -= self._bonded.inside_mpa() * more * np.array([[0.0, 1.0], [1.0, 0.0]])
+            blocks[self._bodies.plate] -= self._bonded.load.inside_mpa() * more * np.array([[0.0, 1.0], [1.0, 0.0]])
         return columns, blocks
 
     def _aim(self, k: int, rigid: RigidMotion, motion: int) -> None:

@@ -86,7 +86,8 @@ class Harmonics:
     def __init__(self, problem: Problem) -> None:
         if not problem.domain.axisymmetric or problem.comm.size != 1:
             raise SolverError(
-                f"harmonics need a meridian on one rank, got dimension {problem.dimension} on {problem.comm.size} ranks"
+                "harmonics need a meridian on one rank, got dimension "
+                f"{problem.unknowns.dimension} on {problem.comm.size} ranks"
             )
         if problem.element.displacement_degree != 2:
             raise SolverError(f"harmonics need quadratic displacements, got {problem.element.name}")

@@ -55,7 +55,7 @@ def pressure(name: str):
 
 def guess(mesh: SolidMesh, problem: Problem, name: str) -> State:
     p = pressure(name)(mesh.points)
-    if len(problem.pressure_shape) == 2:
+    if len(problem.unknowns.pressure_shape) == 2:
         p = p[mesh.cells[:, : mesh.cell.corners]]
     load = pressure_at_inner_radius_mpa(TUBE, LAWS[name], BORE[name])
     return State(displacement(name)(mesh.points), p, np.zeros((0, 0)), load)
@@ -250,7 +250,7 @@ def test_linear_displacements_are_given_at_every_node(small) -> None:
     u = mesh.points @ np.array([[0.1, 0.2], [0.0, -0.1]])
     u[np.isclose(mesh.points[:, 1], 0.0)] = 0.0
     u[np.isclose(mesh.points[:, 1], mesh.points[:, 1].max()), 1] = 0.0
-    problem.set_state(State(u, np.zeros(problem.pressure_shape), np.zeros((0, 0)), 0.0))
+    problem.set_state(State(u, np.zeros(problem.unknowns.pressure_shape), np.zeros((0, 0)), 0.0))
     found = problem.get_state().displacement_mm
     corners = mesh.cells[:, :3]
     assert found[corners] == pytest.approx(u[corners], abs=1e-15)
@@ -292,7 +292,7 @@ def test_potential_is_the_traction_between_planes_of_symmetry(round_tube) -> Non
     mesh, problem = round_tube(2, DRAGON_SKIN_10)
     rng = np.random.default_rng(4)
     u = 0.3 * mesh.points @ rng.standard_normal((3, 3)) + 0.1 * rng.standard_normal(mesh.points.shape)
-    problem.set_state(State(u, np.zeros(problem.pressure_shape), np.zeros((0, 0)), 0.0))
+    problem.set_state(State(u, np.zeros(problem.unknowns.pressure_shape), np.zeros((0, 0)), 0.0))
     traction = problem.load.traction()
     way = rng.standard_normal((5, problem.owned)) * ~problem.constrained_owned
     gap = (way @ (problem.load.gradient() - traction)) / (np.abs(way) @ np.abs(traction))
@@ -311,7 +311,7 @@ def test_homogeneous_state_is_reproduced(strip, sides, make_problem, dimension: 
     u = mesh.points * (np.append(np.full(dimension - 1, stretch**-0.5), stretch) - 1.0)
     # radial stress is zero: p = -mu lambda_r^2 (less its mean, which the split energy takes out)
     p = -law.mu_mpa * (stretch**-1.0 - (2.0 * stretch**-1.0 + stretch**2) / 3.0)
-    problem.set_state(State(u, np.full(problem.pressure_shape, p), np.zeros((0, 0)), 0.0))
+    problem.set_state(State(u, np.full(problem.unknowns.pressure_shape, p), np.zeros((0, 0)), 0.0))
     force, _ = problem.internal_force()
     ends = np.isclose(mesh.points[:, -1], 0.0) | np.isclose(mesh.points[:, -1], 2.0)
     free = problem.u_dofs[~ends[problem.domain.input_node]].ravel()

@@ -61,7 +61,7 @@ def disturb(problem: Problem, seed: int) -> None:
     x[problem.constrained_owned] = 0.0
     if problem.bonded is not None:
         problem.bonded.values[:] = rng.uniform(-1.0, 1.0, problem.body_values.shape) * 0.5
-        if problem.modes == 6:
+        if problem.bonded.modes == 6:
             problem.bonded.values[:, 3:] *= ARM_MM
         problem.bonded.update(np.zeros(0))
     problem.pressure.value = 0.02
