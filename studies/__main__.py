@@ -27,8 +27,9 @@ from studies.planning.plan import MODELS, SECTOR_LEVELS, Model, make_plan
 from studies.progress import Progress
 from studies.results import provenance
 from studies.results.rows import Row
-from studies.scene.bellows import Scene
-from studies.scene.bodies import AnyScene, is_exact, load_any_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.bodies import BodyScene
+from studies.scene.files import Scene, kept_scene, load_scene
 from studies.scene.sections import SceneError
 
 # Commands import the studies and what draws their reports themselves: plan and solve then start in half the time.
@@ -48,12 +49,12 @@ def _out(text: str) -> None:
         click.echo(text)
 
 
-def _load(paths: tuple[Path, ...], model: Model | None = None) -> list[tuple[AnyScene, str]]:
+def _load(paths: tuple[Path, ...], model: Model | None = None) -> list[tuple[Scene, str]]:
     """All scenes, or exit with every fault found, also of the requested model; nothing has been written."""
     scenes, faults = [], []
     for path in paths:
         try:
-            scenes.append((load_any_scene(path), path.read_text(encoding="utf-8")))
+            scenes.append((load_scene(path), path.read_text(encoding="utf-8")))
             plan_for(scenes[-1][0], model)
         except SceneError as error:
             faults.append(str(error))
@@ -116,7 +117,7 @@ def solve(scene: Path, out: Path, model: Model | None) -> None:
     sys.exit(_solve(checked, text, plan_for(checked, model), out, MPI.COMM_WORLD))
 
 
-def _solve(scene: AnyScene, text: str, plan: AnyPlan | None, out: Path, comm: MPI.Comm) -> int:
+def _solve(scene: Scene, text: str, plan: AnyPlan | None, out: Path, comm: MPI.Comm) -> int:
     """Run a plan (None: every model a body with an exact answer has), print its rows; returns the exit code."""
     progress = Progress(comm)
     try:
@@ -280,7 +281,7 @@ def smoke(out: Path) -> None:
     """Solve two convolutions by every model and write the report: shows in a minute that all works."""
     ((scene, text),) = _load((provenance.ROOT / "scenes" / f"{SMOKE_SCENE}.toml",))
     _writable(out)
-    assert isinstance(scene, Scene)
+    assert isinstance(scene, BellowsScene)
     levels = ROUNDS[cells_of(scene)][:1]
     code = _solve(scene, text, make_plan(scene, "full3d", levels, SECTOR_LEVELS[:1]), out / scene.name, MPI.COMM_WORLD)
     if MPI.COMM_WORLD.rank == 0:
@@ -411,7 +412,7 @@ def benchmark_solver(out: Path) -> None:
 
     _writable(out)
     ((checked, _),) = _load((provenance.ROOT / "scenes" / "heung-t2-ri5.toml",))
-    assert isinstance(checked, Scene)
+    assert isinstance(checked, BellowsScene)
     _out("\n".join(solver_benchmark.run(checked, out)))
 
 
@@ -436,7 +437,7 @@ def _report(folder: Path) -> None:
     if not folders:
         click.echo(f"{folder}: holds no scene results; run solve, batch or study first", err=True)
         sys.exit(BAD_INPUT)
-    exact = [p for p in folders if is_exact(p / session.SCENE_FILE)]
+    exact = [p for p in folders if isinstance(kept_scene(p / session.SCENE_FILE), BodyScene)]
     bellows = [p for p in folders if p not in exact]
     if bellows:
         click.echo(f"report: {scene_report.render(folder, TITLE, INTRODUCTION, bellows)}")

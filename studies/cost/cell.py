@@ -28,7 +28,7 @@ from studies.planning.levels import BodyLevel, body_level, fineness
 from studies.progress import Progress
 from studies.results import provenance
 from studies.results.compare import tip_at
-from studies.scene.bellows import Scene
+from studies.scene.bellows import BellowsScene
 
 # To be raised when something else is measured, so that what was measured before is not taken for it.
 MEASURED_AS = 1
@@ -53,7 +53,7 @@ def solve(cell: Cell, folder: Path, comm: MPI.Comm) -> Answer:
     """
     scene, progress = cell_scene(cell), Progress(comm)
     place = folder / f"{cell.model}-{cell.level}"
-    if not isinstance(scene, Scene):
+    if not isinstance(scene, BellowsScene):
         plan = ExactPlan(cell.model, (cell.level,), False, ())
         run = run_exact(scene, plan, cell.level, place, comm, progress)
         last = scene.loads_kpa[-1]
@@ -75,7 +75,9 @@ def solve(cell: Cell, folder: Path, comm: MPI.Comm) -> Answer:
     return Answer(runs, tip_at(runs[-1], last), last)
 
 
-def cold_body(scene: Scene, cell: Cell, level: BodyLevel, folder: Path, comm: MPI.Comm, progress: Progress) -> Run:
+def cold_body(
+    scene: BellowsScene, cell: Cell, level: BodyLevel, folder: Path, comm: MPI.Comm, progress: Progress
+) -> Run:
     """A body's own path from zero, without an axisymmetric state to start from; every rank calls."""
     key = run_hash(scene, f"{cell.model}-cold", level.name)
     job = begin(scene.name, cell.model, level.name, folder, key, (), progress, scene.pressures_mpa[-1])

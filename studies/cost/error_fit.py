@@ -45,7 +45,8 @@ from studies.results import provenance
 from studies.results.compare import tip_at
 from studies.results.files import write_text_atomically
 from studies.results.rows import REACHED, Row, read_rows, row, write_rows
-from studies.scene.bellows import Scene, load_scene, shape_of
+from studies.scene.bellows import BellowsScene, shape_of
+from studies.scene.files import load_bellows
 
 TOLERANCE_SCENES = provenance.ROOT / "scenes" / "tolerance"
 TRAINING, SEED = 24, 20241
@@ -98,10 +99,10 @@ class Sample:
         return tuple(100.0 * abs(v - x) / abs(x) for v, x in zip(self.tips_mm[level], limits_mm, strict=True))
 
 
-def training_scenes() -> list[Scene]:
+def training_scenes() -> list[BellowsScene]:
     """Made-up bellows: walls 0.5 to 2 mm, roots 4 to 10 mm, both silicones, seats, fillets, pitches and pressures."""
     random = np.random.default_rng(SEED)
-    scenes: list[Scene] = []
+    scenes: list[BellowsScene] = []
     while len(scenes) < TRAINING:
         wall, root, depth, seat, fillet, pitch, load = random.uniform(
             [0.5, 4.0, 4.0, 2.0, 0.3, 4.5, 0.6], [2.0, 10.0, 6.0, 4.0, 1.0, 6.0, 2.4]
@@ -120,7 +121,7 @@ def training_scenes() -> list[Scene]:
     return scenes
 
 
-def longer_scenes(scenes: Sequence[Scene]) -> list[Scene]:
+def longer_scenes(scenes: Sequence[BellowsScene]) -> list[BellowsScene]:
     """Some of the scenes with as many convolutions as the model tells apart."""
     found = []
     for scene in scenes[:LONGER]:
@@ -139,7 +140,7 @@ def _scene(
     pitch: float,
     material: Mapping[str, object],
     pressures_kpa: list[float],
-) -> Scene:
+) -> BellowsScene:
     geometry = {
         "kind": "bellows",
         "root_radius_mm": root,
@@ -149,7 +150,7 @@ def _scene(
         "convolutions": 1,
         "fillet_mm": fillet,
     }
-    return Scene.model_validate(
+    return BellowsScene.model_validate(
         {
             "name": name,
             "geometry": geometry,
@@ -160,14 +161,14 @@ def _scene(
     )
 
 
-def in_cells(scene: Scene, cells: Cells) -> Scene:
+def in_cells(scene: BellowsScene, cells: Cells) -> BellowsScene:
     """The scene in these cells, with rigid rings."""
     rings = scene.rings.model_copy(update={"model": "rigid"})
     mesh = scene.mesh.model_copy(update={"element": cells})
     return scene.model_copy(update={"rings": rings, "mesh": mesh})
 
 
-def sample(scene: Scene, cells: Cells, levels: Sequence[int], folder: Path, progress: Progress) -> Sample:
+def sample(scene: BellowsScene, cells: Cells, levels: Sequence[int], folder: Path, progress: Progress) -> Sample:
     """Run a scene on meridian levels; what is there of the same content is used."""
     of = in_cells(scene, cells)
     runs: dict[int, Run] = {}
@@ -188,7 +189,7 @@ def sample(scene: Scene, cells: Cells, levels: Sequence[int], folder: Path, prog
     )
 
 
-def all_samples(scenes: Sequence[Scene], folder: Path, comm: MPI.Comm) -> list[Sample]:
+def all_samples(scenes: Sequence[BellowsScene], folder: Path, comm: MPI.Comm) -> list[Sample]:
     """Samples of scenes in both cells, the quadrilaterals to the finest level; on rank 0, others get none."""
     cells: tuple[Cells, ...] = ("hex", "tet")
     jobs = [(scene, of) for of in cells for scene in scenes]
@@ -288,7 +289,9 @@ def time_laws(rows: Sequence[Row]) -> dict[tuple[str, str], Seconds]:
     return found
 
 
-def check_rows(scenes: Sequence[Scene], samples: Sequence[Sample], limits: dict[str, tuple[float, ...]]) -> list[Row]:
+def check_rows(
+    scenes: Sequence[BellowsScene], samples: Sequence[Sample], limits: dict[str, tuple[float, ...]]
+) -> list[Row]:
     """Predicted, checked (from two levels of the scene itself) and achieved errors, the largest over the pressures.
 
     Times are predicted and achieved without start and imports; ``chosen`` marks the level that the scene's tolerance
@@ -355,7 +358,7 @@ def main(out: Path, cost: Path) -> None:
     """Fit the error model anew and check it on the scenes of scenes/tolerance."""
     comm = MPI.COMM_WORLD
     training = training_scenes()
-    checks = [load_scene(path) for path in sorted(TOLERANCE_SCENES.glob("*.toml"))]
+    checks = [load_bellows(path) for path in sorted(TOLERANCE_SCENES.glob("*.toml"))]
     samples = all_samples([*training, *longer_scenes(training), *checks], out / "runs", comm)
     if comm.rank != 0:
         return

@@ -31,7 +31,8 @@ from studies.report.tables import Table
 from studies.results import provenance
 from studies.results.rows import REACHED, Row, row, write_rows
 from studies.results.states import load_state
-from studies.scene.bellows import Scene, core_shift_mm, load_scene
+from studies.scene.bellows import BellowsScene, core_shift_mm
+from studies.scene.files import load_bellows
 
 TITLE: Final = "An eccentric core: how far the actuator bends and what it does to the elongation"
 SHARES: Final = (0.0, 0.05, 0.10)
@@ -61,7 +62,7 @@ CASES: Final = (
 class Found:
     """A run and where the tip stands in its states, by pressure in kPa."""
 
-    scene: Scene
+    scene: BellowsScene
     share: float
     level: BodyLevel
     folder: Path
@@ -76,9 +77,9 @@ class Found:
         return next(asked, math.nan)
 
 
-def scene_of(case: Case, share: float) -> Scene:
+def scene_of(case: Case, share: float) -> BellowsScene:
     """The scene of a case with a core off the axis by a share of the wall."""
-    base = load_scene(provenance.ROOT / case.file)
+    base = load_bellows(provenance.ROOT / case.file)
     name = f"{Path(case.file).stem.removesuffix('-core-10')}-e{100.0 * share:02.0f}"
     return base.model_copy(
         update={

@@ -33,7 +33,7 @@ from studies.progress import Progress
 from studies.results import provenance
 from studies.results.files import PathRow, write_text_atomically
 from studies.results.states import load_state, save_state
-from studies.scene.bodies import ExactScene
+from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import CylinderGeometry, MeshGeometry
 
 MEASURED_FILE = "measured.json"
@@ -60,7 +60,7 @@ class _Found(Exception):
         self.memory = memory
 
 
-def exact_hash(scene: ExactScene, model: str, level: str) -> str:
+def exact_hash(scene: BodyScene, model: str, level: str) -> str:
     """Hash of everything that decides a run's numbers."""
     physics = scene.model_dump(mode="json", exclude={"name", "ask"})
     g = scene.geometry
@@ -71,7 +71,7 @@ def exact_hash(scene: ExactScene, model: str, level: str) -> str:
 
 
 def run_exact(
-    scene: ExactScene, plan: ExactPlan, level: str, folder: Path, comm: MPI.Comm, progress: Progress
+    scene: BodyScene, plan: ExactPlan, level: str, folder: Path, comm: MPI.Comm, progress: Progress
 ) -> ExactRun:
     """The path of a scene on one mesh; a meridian is solved on rank 0 and known to all.
 
@@ -123,7 +123,7 @@ def read_exact(folder: Path, run: Run) -> ExactRun:
     return ExactRun(run, {entry.pop("pressure_kpa"): entry for entry in entries})
 
 
-def _finished(scene: ExactScene, model: str, level: str, folder: Path) -> ExactRun | None:
+def _finished(scene: BodyScene, model: str, level: str, folder: Path) -> ExactRun | None:
     run = finished_run(folder, exact_hash(scene, model, level))
     if run is None:
         return None
@@ -136,9 +136,7 @@ def _finished(scene: ExactScene, model: str, level: str, folder: Path) -> ExactR
         return None
 
 
-def _solve(
-    scene: ExactScene, plan: ExactPlan, level: str, folder: Path, comm: MPI.Comm, progress: Progress
-) -> ExactRun:
+def _solve(scene: BodyScene, plan: ExactPlan, level: str, folder: Path, comm: MPI.Comm, progress: Progress) -> ExactRun:
     loads = [1e-3 * p for p in scene.loads_kpa]
     content_hash = exact_hash(scene, plan.model, level)
     # a twist has no pressure to measure progress by
@@ -197,7 +195,7 @@ def _solve(
 
 
 def _twist(
-    scene: ExactScene, g: CylinderGeometry, problem: Problem, factor: Factor, keep: Callable[[PathState], None]
+    scene: BodyScene, g: CylinderGeometry, problem: Problem, factor: Factor, keep: Callable[[PathState], None]
 ) -> tuple[EquilibriumPath, dict[str, float]]:
     """The path of a twisted cylinder, and torque and axial force at its end: derivatives of the energy by the plate."""
     bonded = problem.bonded
@@ -211,7 +209,7 @@ def _twist(
     return path, {"torque_nmm": float(force[5] * bonded.arm_mm), "axial_force_n": float(force[2])}
 
 
-def _row(scene: ExactScene, body: Body, item: PathState) -> PathRow:
+def _row(scene: BodyScene, body: Body, item: PathState) -> PathRow:
     row = path_row(item, math.nan, math.nan, body.parts)
     tip = measures(scene, body.mesh).get("tip_mm") if scene.geometry.kind == "mesh" else None
     return dataclasses.replace(
@@ -241,7 +239,7 @@ def _small_tension(problem: Problem, factor: Factor, highest_mpa: float, setting
     return PathMemory((point,), "pressure", step, 0, 0, 0.0, None)
 
 
-def _measured(scene: ExactScene, mesh: SolidMesh, folder: Path, run: Run) -> dict[float, dict[str, float]]:
+def _measured(scene: BodyScene, mesh: SolidMesh, folder: Path, run: Run) -> dict[float, dict[str, float]]:
     """What is read off the kept states."""
     functions = measures(scene, mesh)
     out = {}
@@ -256,7 +254,7 @@ def _measured(scene: ExactScene, mesh: SolidMesh, folder: Path, run: Run) -> dic
     return out
 
 
-def _write_fields(scene: ExactScene, model: str, level: str, folder: Path, run: Run) -> None:
+def _write_fields(scene: BodyScene, model: str, level: str, folder: Path, run: Run) -> None:
     """Write the fields of the kept states for ParaView."""
     mesh = body_of(scene, model, level).mesh
     for pressure in (row.pressure_kpa for row in run.path if row.status == "requested"):

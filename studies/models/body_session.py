@@ -19,7 +19,7 @@ from studies.results.exact_answers import exact_crossing_kpa, known_value
 from studies.results.files import PATH_FILE, SUMMARY_FILE
 from studies.results.rows import Row, row, write_rows
 from studies.results.uncertainty import UNKNOWN, Convergence, convergence, from_two
-from studies.scene.bodies import ExactScene
+from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import TubeGeometry
 
 # Order to expect: quadratic displacements have an error of the third; where an end is held the wall has corners, and
@@ -34,7 +34,7 @@ OF_PATHS = ("limit_kpa", "crossing_kpa")
 class ExactResult:
     """All runs of a scene, coarsest first, and the rows."""
 
-    scene: ExactScene
+    scene: BodyScene
     runs: tuple[ExactRun, ...]
     rows: tuple[Row, ...]
 
@@ -55,7 +55,7 @@ class ExactResult:
 
 
 def run_exact_plan(
-    scene: ExactScene, scene_text: str, plan: ExactPlan, folder: Path, comm: MPI.Comm, progress: Progress
+    scene: BodyScene, scene_text: str, plan: ExactPlan, folder: Path, comm: MPI.Comm, progress: Progress
 ) -> ExactResult:
     """Run what a plan says; results of the same content that are already there are used.
 
@@ -82,7 +82,7 @@ def run_exact_plan(
     return result
 
 
-def run_all_models(scene: ExactScene, scene_text: str, folder: Path, comm: MPI.Comm, progress: Progress) -> ExactResult:
+def run_all_models(scene: BodyScene, scene_text: str, folder: Path, comm: MPI.Comm, progress: Progress) -> ExactResult:
     """Run a scene with every model it has, all levels of each, into one folder.
 
     Returns
@@ -102,13 +102,13 @@ def run_all_models(scene: ExactScene, scene_text: str, folder: Path, comm: MPI.C
     return ExactResult(scene, runs, rows)
 
 
-def _within_tolerance(scene: ExactScene, runs: Sequence[ExactRun]) -> bool:
+def _within_tolerance(scene: BodyScene, runs: Sequence[ExactRun]) -> bool:
     rows = [r for r in exact_rows(scene, runs) if r.quantity in scene.quantities]
     finest = [r for r in rows if r.level == runs[-1].run.summary.level and math.isfinite(r.value)]
     return all(r.uncertainty <= 0.01 * scene.ask.tolerance_percent * abs(r.value) for r in finest)
 
 
-def exact_rows(scene: ExactScene, runs: Sequence[ExactRun]) -> list[Row]:
+def exact_rows(scene: BodyScene, runs: Sequence[ExactRun]) -> list[Row]:
     """All rows of a scene; each value's uncertainty is the discretisation's, its reference the exact answer."""
     rows = [r for load in scene.loads_kpa for r in _rows_at(scene, runs, load)]
     for quantity in scene.quantities:
@@ -117,7 +117,7 @@ def exact_rows(scene: ExactScene, runs: Sequence[ExactRun]) -> list[Row]:
     return rows
 
 
-def _rows_at(scene: ExactScene, runs: Sequence[ExactRun], load: float) -> list[Row]:
+def _rows_at(scene: BodyScene, runs: Sequence[ExactRun], load: float) -> list[Row]:
     """Rows at one load, kPa: what is measured, then the checks of the finest run."""
     rows = []
     measured = dict.fromkeys(name for run in runs for values in run.measured.values() for name in values)
@@ -142,7 +142,7 @@ def _rows_at(scene: ExactScene, runs: Sequence[ExactRun], load: float) -> list[R
     return rows
 
 
-def _crossing_rows(scene: ExactScene, runs: Sequence[ExactRun], quantity: str) -> list[Row]:
+def _crossing_rows(scene: BodyScene, runs: Sequence[ExactRun], quantity: str) -> list[Row]:
     """Where stability was lost, and how many modes became unstable there."""
     reference, source = exact_crossing_kpa(scene)
     crossings = [run.run.summary.crossing for run in runs]
@@ -184,7 +184,7 @@ def _status(run: ExactRun, value: float) -> str:
     return f"stopped at {last:.6g} kPa: {run.run.summary.reason}"
 
 
-def _convergence(scene: ExactScene, runs: Sequence[ExactRun], values: Sequence[float]) -> Convergence:
+def _convergence(scene: BodyScene, runs: Sequence[ExactRun], values: Sequence[float]) -> Convergence:
     """Convergence over the finest levels that have a value."""
     g = scene.geometry
     corners = g.kind in ("cook", "ventricle") or (isinstance(g, TubeGeometry) and g.ends == "bonded")

@@ -25,17 +25,16 @@ from solvers.problem import SOFT, STIFF, Problem, Surfaces
 from solvers.state import State, pressure_at_corners
 from studies.scene.bellows import (
     RIGID_BOND_MPA_PER_MM,
-    Mesh,
-    Scene,
+    BellowsScene,
     bond_grade,
     bond_stiffness,
     in_hexahedra,
-    inverse_kappa,
-    law_of,
     ring_material,
     ring_shape,
     shape_of,
 )
+from studies.scene.elements import Mesh
+from studies.scene.materials import inverse_kappa, law_of
 
 
 def element_of(mesh: Mesh) -> Element | None:
@@ -43,7 +42,7 @@ def element_of(mesh: Mesh) -> Element | None:
     return {"tet-p0": P2_P0, "tet-p1": P1_P0}.get(mesh.element)
 
 
-def scene_meridian(scene: Scene, refinement: int) -> SolidMesh:
+def scene_meridian(scene: BellowsScene, refinement: int) -> SolidMesh:
     """The meridian mesh of a scene at a refinement."""
     shape = shape_of(scene)
     ring = ring_shape(scene) if scene.rings.model == "meshed" else None
@@ -77,7 +76,7 @@ def scene_body(meridian: SolidMesh, model: str, around: int, core_shift_mm: floa
     return revolve(meridian, around)
 
 
-def scene_problem(scene: Scene, mesh: SolidMesh | None, comm: MPI.Comm) -> Problem:
+def scene_problem(scene: BellowsScene, mesh: SolidMesh | None, comm: MPI.Comm) -> Problem:
     """The boundary value problem of a scene on a mesh that rank 0 holds; every rank calls."""
     material_numbers = None
     if mesh is not None:
@@ -127,7 +126,7 @@ def scene_problem(scene: Scene, mesh: SolidMesh | None, comm: MPI.Comm) -> Probl
     return Problem(domain, law, inverse_kappa(scene.material), surfaces, stiff, bodies, element_of(scene.mesh))
 
 
-def _ring_count(scene: Scene) -> int:
+def _ring_count(scene: BellowsScene) -> int:
     """Number of rigid rings."""
     return scene.geometry.convolutions + 1 if scene.rings.model == "rigid" else 0
 
@@ -179,7 +178,7 @@ def revolve_state(state: State, meridian: SolidMesh, body: SolidMesh) -> State:
 class Tip:
     """Mean axial displacement of the distal rim, weighted by its undeformed area, or the motion of a rigid plate."""
 
-    def __init__(self, scene: Scene, mesh: SolidMesh) -> None:
+    def __init__(self, scene: BellowsScene, mesh: SolidMesh) -> None:
         self._plate = scene.geometry.tip == "rigid"
         facets = mesh.facets[mesh.facet_tags == FACETS["tip"]]
         ends = mesh.points[facets]
@@ -207,7 +206,7 @@ class Tip:
         return float(state.displacement_mm[self._centre, -1])
 
 
-def masses_g(scene: Scene, meridian: SolidMesh) -> tuple[float, float]:
+def masses_g(scene: BellowsScene, meridian: SolidMesh) -> tuple[float, float]:
     """Mass of silicone and rings, g; rings that are not meshed count with their section."""
     volumes = region_volumes_mm3(meridian)
     silicone = (volumes["elastomer"] + volumes["cap"]) * 1e-3 * SILICONE_DENSITY_G_CM3

@@ -35,7 +35,8 @@ from studies.results import provenance
 from studies.results.compare import main_quantity, scene_rows
 from studies.results.files import write_text_atomically
 from studies.results.rows import REACHED, Row
-from studies.scene.bellows import Scene, dimensions_of, law_of
+from studies.scene.bellows import BellowsScene, dimensions_of
+from studies.scene.materials import law_of
 from studies.scene.sections import SceneError
 from studies.scene.sweep import Variant, read_sweep
 
@@ -268,7 +269,7 @@ def _refused_rows(variant: Variant) -> tuple[SweepRow, ...]:
 
 
 def _rows(
-    variant: Variant, scene: Scene, rows: Sequence[Row], answer: Run | None, status: str = ""
+    variant: Variant, scene: BellowsScene, rows: Sequence[Row], answer: Run | None, status: str = ""
 ) -> tuple[SweepRow, ...]:
     """A scene's rows of the table, a row per requested pressure, from its comparison rows."""
     quantity = main_quantity(scene)
@@ -303,7 +304,7 @@ def _rows(
     return tuple(found)
 
 
-def _unfolding_kpa(scene: Scene) -> float:
+def _unfolding_kpa(scene: BellowsScene) -> float:
     try:
         path = closed_form(dimensions_of(scene), law_of(scene.material), scene.load.pressure_kpa)
     except BellowsError:

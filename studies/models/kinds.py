@@ -14,7 +14,8 @@ from studies.models.session import SceneResult, run_plan
 from studies.planning.body_plan import ExactPlan, describe_exact, make_exact_plan
 from studies.planning.plan import Model, Plan, describe, make_plan
 from studies.progress import Progress
-from studies.scene.bodies import AnyScene, ExactScene
+from studies.scene.bodies import BodyScene
+from studies.scene.files import Scene
 
 if TYPE_CHECKING:
     from studies.models.body_session import ExactResult
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 AnyPlan = Plan | ExactPlan
 
 
-def plan_for(scene: AnyScene, model: Model | None = None) -> AnyPlan:
+def plan_for(scene: Scene, model: Model | None = None) -> AnyPlan:
     """The plan of a scene; see `studies.planning.plan.make_plan`.
 
     Raises
@@ -30,21 +31,21 @@ def plan_for(scene: AnyScene, model: Model | None = None) -> AnyPlan:
     SceneError
         If the model cannot be had for the scene.
     """
-    return make_exact_plan(scene, model) if isinstance(scene, ExactScene) else make_plan(scene, model)
+    return make_exact_plan(scene, model) if isinstance(scene, BodyScene) else make_plan(scene, model)
 
 
-def description(scene: AnyScene, model: Model | None = None) -> str:
+def description(scene: Scene, model: Model | None = None) -> str:
     """The plan of a scene as text for a terminal."""
-    if isinstance(scene, ExactScene):
+    if isinstance(scene, BodyScene):
         return describe_exact(scene, make_exact_plan(scene, model))
     return describe(scene, make_plan(scene, model))
 
 
 def run(
-    scene: AnyScene, text: str, plan: AnyPlan | None, folder: Path, comm: MPI.Comm, progress: Progress
+    scene: Scene, text: str, plan: AnyPlan | None, folder: Path, comm: MPI.Comm, progress: Progress
 ) -> SceneResult | ExactResult:
     """Run a scene's plan, or every model a simple body has if there is none; see `studies.models.session.run_plan`."""
-    if isinstance(scene, ExactScene):
+    if isinstance(scene, BodyScene):
         from studies.models.body_session import run_all_models, run_exact_plan
 
         if plan is None:

@@ -57,7 +57,8 @@ from studies.results.files import (
     write_summary,
 )
 from studies.results.states import load_state, save_state
-from studies.scene.bellows import Scene, core_shift_mm, dimensions_of, law_of, without_eccentricity
+from studies.scene.bellows import BellowsScene, core_shift_mm, dimensions_of, without_eccentricity
+from studies.scene.materials import law_of
 
 # Beside states that were solved iteratively.
 NOT_COUNTED = (
@@ -66,7 +67,7 @@ NOT_COUNTED = (
 )
 
 
-def run_hash(scene: Scene, model: str, level: str) -> str:
+def run_hash(scene: BellowsScene, model: str, level: str) -> str:
     """Hash of everything that decides a run's numbers; the axisymmetric model knows a centred core only."""
     if model == "axisymmetric":
         scene = without_eccentricity(scene)
@@ -75,21 +76,21 @@ def run_hash(scene: Scene, model: str, level: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:24]
 
 
-def path_settings(scene: Scene) -> PathSettings:
+def path_settings(scene: BellowsScene) -> PathSettings:
     """Step control; a vacuum takes small steps, as it can take from a cavity no more than it holds."""
     if scene.load.sense < 0.0:
         return PathSettings(control=scene.load.control, first_step=0.02, largest_step=0.05)
     return PathSettings(control=scene.load.control)
 
 
-def _begin(scene: Scene, model: str, level: str, folder: Path, notes: Sequence[str], progress: Progress) -> Job:
+def _begin(scene: BellowsScene, model: str, level: str, folder: Path, notes: Sequence[str], progress: Progress) -> Job:
     content_hash = run_hash(scene, model, level)
     return begin(
         scene.name, model, level, folder, content_hash, notes, progress, scene.pressures_mpa[-1], scene.load.sense
     )
 
 
-def run_closed_form(scene: Scene, folder: Path, comm: MPI.Comm) -> Run:
+def run_closed_form(scene: BellowsScene, folder: Path, comm: MPI.Comm) -> Run:
     """The closed form at the requested pressures, written like any other run; it costs nothing, so it is not kept.
 
     Raises
@@ -148,7 +149,7 @@ def run_closed_form(scene: Scene, folder: Path, comm: MPI.Comm) -> Run:
     return Run(summary, rows)
 
 
-def _closed_form_tip(scene: Scene) -> tuple[list[float], list[float]]:
+def _closed_form_tip(scene: BellowsScene) -> tuple[list[float], list[float]]:
     """Elongations, mm, and forces of the actuator at its tip, N, at the requested pressures."""
     dimensions, law, pressures = dimensions_of(scene), law_of(scene.material), np.array(scene.load.pressure_kpa)
     if scene.blocked:
@@ -157,7 +158,7 @@ def _closed_form_tip(scene: Scene) -> tuple[list[float], list[float]]:
 
 
 def run_axisymmetric(
-    scene: Scene, refinement: int, folder: Path, comm: MPI.Comm, progress: Progress, modes: bool = False
+    scene: BellowsScene, refinement: int, folder: Path, comm: MPI.Comm, progress: Progress, modes: bool = False
 ) -> Run:
     """The axisymmetric path of a scene on one mesh, solved on rank 0 and known to all; of a core off the axis, centred.
 
@@ -204,7 +205,7 @@ def _has_states(folder: Path, content_hash: str, run: Run) -> bool:
     return all(load_state(folder, content_hash, 1e-3 * p) is not None for p in asked)
 
 
-def _solve_axisymmetric(scene: Scene, refinement: int, folder: Path, progress: Progress) -> Run:
+def _solve_axisymmetric(scene: BellowsScene, refinement: int, folder: Path, progress: Progress) -> Run:
     job = _begin(scene, "axisymmetric", f"r{refinement}", folder, (), progress)
     mesh = scene_meridian(scene, refinement)
     meshed = time.perf_counter() - job.begin
@@ -245,7 +246,7 @@ def _solve_axisymmetric(scene: Scene, refinement: int, folder: Path, progress: P
 
 
 def run_body(
-    scene: Scene,
+    scene: BellowsScene,
     model: Literal["sector", "full3d"],
     level: BodyLevel,
     meridian_run: Path,
@@ -336,7 +337,7 @@ def run_body(
     return _finish(scene, log, problem, factor, path, meridian)
 
 
-def _add_missing_fields(scene: Scene, level: BodyLevel, folder: Path, run: Run) -> None:
+def _add_missing_fields(scene: BellowsScene, level: BodyLevel, folder: Path, run: Run) -> None:
     """Write the fields of a finished run that was made without them."""
     reached = [row.pressure_kpa for row in run.path if row.status == "requested"]
     missing = [p for p in reached if not field_file(folder, 1e-3 * p).exists()]
@@ -352,7 +353,7 @@ def _add_missing_fields(scene: Scene, level: BodyLevel, folder: Path, run: Run) 
 
 
 def _finish(
-    scene: Scene, log: Log, problem: Problem, factor: Factor, path: EquilibriumPath, meridian: SolidMesh
+    scene: BellowsScene, log: Log, problem: Problem, factor: Factor, path: EquilibriumPath, meridian: SolidMesh
 ) -> Run:
     if log.comm.rank == 0 and scene.ask.fields and log.job.model in SECTORS:
         write_collection(log.job.folder, scene.load.pressure_kpa)

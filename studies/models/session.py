@@ -24,7 +24,8 @@ from studies.progress import Progress
 from studies.results.compare import MERIDIAN_ORDER, main_quantity, scene_rows, tip_at, tip_convergence
 from studies.results.files import PATH_FILE, SUMMARY_FILE, read_path, read_summary
 from studies.results.rows import Row, write_rows
-from studies.scene.bellows import Scene, load_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
 
 SCENE_FILE, ROWS_FILE = "scene.toml", "rows.csv"
 
@@ -33,7 +34,7 @@ SCENE_FILE, ROWS_FILE = "scene.toml", "rows.csv"
 class SceneResult:
     """All runs of a scene, coarsest first, and the comparison rows."""
 
-    scene: Scene
+    scene: BellowsScene
     axisymmetric: tuple[Run, ...]
     sector: tuple[Run, ...]
     full3d: tuple[Run, ...]
@@ -73,7 +74,7 @@ class SceneResult:
 
 
 def run_plan(
-    scene: Scene, scene_text: str, plan: Plan, folder: Path, comm: MPI.Comm, progress: Progress
+    scene: BellowsScene, scene_text: str, plan: Plan, folder: Path, comm: MPI.Comm, progress: Progress
 ) -> SceneResult:
     """Run what a plan says; results of the same content that are already there are used.
 
@@ -103,7 +104,7 @@ def run_plan(
     solid: dict[str, list[Run]] = {"sector": [], "full3d": []}
     if plan.around_levels:
 
-        def run(of: Scene, model: Literal["sector", "full3d"], level: BodyLevel) -> Run:
+        def run(of: BellowsScene, model: Literal["sector", "full3d"], level: BodyLevel) -> Run:
             base = folder / f"axisymmetric-r{level.meridian}"
             return run_body(of, model, level, base, folder / f"{model}-{level.name}", comm, progress, plan.skipped)
 
@@ -128,7 +129,7 @@ def run_plan(
 
 
 def _axisymmetric_runs(
-    scene: Scene, levels: Sequence[int], folder: Path, comm: MPI.Comm, progress: Progress
+    scene: BellowsScene, levels: Sequence[int], folder: Path, comm: MPI.Comm, progress: Progress
 ) -> list[Run]:
     """Axisymmetric runs, each on one rank, shared out over all; known to every rank, in the order of the levels.
 
@@ -153,7 +154,7 @@ def _axisymmetric_runs(
     return [known[level] for level in levels]
 
 
-def _counted(scene: Scene, runs: list[Run], folder: Path, comm: MPI.Comm, progress: Progress) -> list[Run]:
+def _counted(scene: BellowsScene, runs: list[Run], folder: Path, comm: MPI.Comm, progress: Progress) -> list[Run]:
     """The runs, the finest of those whose modes are counted with its counts."""
     levels = [level for level in (fineness(run.summary.level) for run in runs) if level in COUNTED_LEVELS]
     if not levels:
@@ -163,7 +164,7 @@ def _counted(scene: Scene, runs: list[Run], folder: Path, comm: MPI.Comm, progre
     return [run if old.summary.level == name else old for old in runs]
 
 
-def good_meridian(scene: Scene, axisymmetric: Sequence[Run], levels: Sequence[int]) -> int | None:
+def good_meridian(scene: BellowsScene, axisymmetric: Sequence[Run], levels: Sequence[int]) -> int | None:
     """The first meridian whose error, as the axisymmetric runs show it, is within its share of the tolerance, %.
 
     None if none is; only levels that have an axisymmetric run.
@@ -188,14 +189,14 @@ def _finest(axisymmetric: Sequence[Run], levels: Sequence[int]) -> int:
     return max(fineness(r.summary.level) for r in axisymmetric if fineness(r.summary.level) in levels)
 
 
-def _good_enough(scene: Scene, plan: Plan, runs: Sequence[Run]) -> bool:
+def _good_enough(scene: BellowsScene, plan: Plan, runs: Sequence[Run]) -> bool:
     """True if no finer meridian is needed: for the tolerance, or for a body's share of it."""
     if plan.model == "axisymmetric":
         return _within_tolerance(scene, runs)
     return good_meridian(scene, runs, plan.body_levels) is not None
 
 
-def _within_tolerance(scene: Scene, runs: Sequence[Run]) -> bool:
+def _within_tolerance(scene: BellowsScene, runs: Sequence[Run]) -> bool:
     """True if the finest run's uncertainty from its two levels is within the scene's tolerance everywhere."""
     wanted = main_quantity(scene)
     rows = [r for r in scene_rows(scene, runs) if r.model == "axisymmetric" and r.quantity == wanted]
@@ -222,7 +223,7 @@ def read_scene_folder(folder: Path, current: bool = False) -> SceneResult:
     FileNotFoundError
         If it holds no scene or no finished run.
     """
-    scene = load_scene(folder / SCENE_FILE)
+    scene = load_bellows(folder / SCENE_FILE)
     found = [_read_run(p.parent) for p in sorted(folder.glob(f"*-*/{SUMMARY_FILE}"))]
     if current:
         found = [r for r in found if r.summary.content_hash == run_hash(scene, r.summary.model, r.summary.level)]

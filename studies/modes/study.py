@@ -25,7 +25,8 @@ from studies.results import provenance
 from studies.results.compare import MERIDIAN_ORDER
 from studies.results.rows import Row, is_reached, row, write_rows
 from studies.results.uncertainty import UNKNOWN, Convergence, from_two
-from studies.scene.bodies import ExactScene, load_any_scene
+from studies.scene.bodies import BodyScene
+from studies.scene.files import load_scene
 
 ROWS_FILE, TABLE_FILE = "rows.csv", "crossings.csv"
 _SCENES = provenance.ROOT / "scenes"
@@ -81,7 +82,7 @@ def load_model(path: Path) -> ModesModel:
     SceneError
         With what is wrong; nothing has been solved or written.
     """
-    model = ModesModel(load_any_scene(path))
+    model = ModesModel(load_scene(path))
     model.check()
     return model
 
@@ -142,7 +143,7 @@ def _crossing_rows(model: ModesModel, runs: Sequence[Run], crossings: Sequence[S
     """Where each harmonic is lost, and the volume, elongation and force there; or that none is."""
     rows = []
     waves = sorted({c.waves for found in crossings for c in found})
-    order = CORNER_ORDER if isinstance(model.scene, ExactScene) else MERIDIAN_ORDER
+    order = CORNER_ORDER if isinstance(model.scene, BodyScene) else MERIDIAN_ORDER
     for m in waves:
         of_m = [next((c for c in found if c.waves == m), None) for found in crossings]
         for name, unit in (("kpa", "kPa"), ("volume_ratio", "1"), ("tip_mm", "mm"), ("tip_force_n", "N")):

@@ -40,7 +40,7 @@ from studies.report.plots import (
 from studies.report.tables import TIP, TIP_FORCE, model_label
 from studies.results.files import PathRow
 from studies.results.rows import FOLDED_BACK, Row
-from studies.scene.bellows import Scene
+from studies.scene.bellows import BellowsScene
 
 _WIDTH_IN: Final = 8.2
 # Lines and markers in a panel of several, relative to a plot of its own.
@@ -371,7 +371,7 @@ def _draw_bands(cases: Mapping[Axes, CaseResult]) -> list[Any]:
     return entry
 
 
-def _draw_breaks(axes: Axes, scenes: Sequence[Scene]) -> None:
+def _draw_breaks(axes: Axes, scenes: Sequence[BellowsScene]) -> None:
     """Draw the stretches at which the silicones break, and whose they are."""
     for silicone, stretch in STRETCH_AT_BREAK.items():
         axes.axhline(stretch, color=BLACK, linewidth=1.2, linestyle="--", zorder=2.0)
@@ -574,11 +574,11 @@ def _ending(run: Run) -> str:
     return f"stops at {last:.1f} kPa ({run.summary.cause or 'no cause given'}{where})"
 
 
-def _name(scene: Scene) -> str:
+def _name(scene: BellowsScene) -> str:
     return f"t = {scene.geometry.wall_mm:g} mm, $R_i$ = {scene.geometry.root_radius_mm:g} mm"
 
 
-def _silicone(scene: Scene) -> str:
+def _silicone(scene: BellowsScene) -> str:
     """The paper's silicone that a scene's law stands for."""
     return SILICONES["dragon-skin-10" if scene.material.law == "yeoh" else "dragon-skin-30"]
 
@@ -589,7 +589,7 @@ def _seconds(value: float, _: int) -> str:
     return "" if text[0] in "79" else text
 
 
-def _sizes(scene: Scene) -> str:
+def _sizes(scene: BellowsScene) -> str:
     g = scene.geometry
     shape = f"$R_i$ {g.root_radius_mm:g}, $R_p$ {g.crest_radius_mm:g}, $e$ {g.half_pitch_mm:g}, $n$ {g.convolutions}"
     return f"{shape}, DS {_silicone(scene)[-2:]}"

@@ -30,7 +30,8 @@ from studies.report.drawn import key_of
 from studies.results import compare, measures, provenance, uncertainty
 from studies.results.files import write_text_atomically
 from studies.results.rows import Row, read_rows, write_rows
-from studies.scene.bellows import Scene, load_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
 
 SCENES = provenance.ROOT / "scenes"
 
@@ -61,7 +62,7 @@ def run_cases(folder: Path, cases: Sequence[Case], comm: MPI.Comm, progress: Pro
     if comm.rank == 0:
         write_scenes(folder, cases)
     comm.barrier()
-    scenes = {case: load_scene(folder / case.place / SCENE_FILE) for case in cases}
+    scenes = {case: load_bellows(folder / case.place / SCENE_FILE) for case in cases}
     faults = _run_axisymmetric(folder, scenes, comm, progress)
     for case, scene in scenes.items():
         if case.full3d:
@@ -69,7 +70,7 @@ def run_cases(folder: Path, cases: Sequence[Case], comm: MPI.Comm, progress: Pro
     return faults
 
 
-def _run_axisymmetric(folder: Path, scenes: dict[Case, Scene], comm: MPI.Comm, progress: Progress) -> list[str]:
+def _run_axisymmetric(folder: Path, scenes: dict[Case, BellowsScene], comm: MPI.Comm, progress: Progress) -> list[str]:
     """All axisymmetric runs, each content once, shared out over the ranks, the longest first."""
     alike: dict[str, list[tuple[Case, int]]] = {}
     for case in scenes:
@@ -92,7 +93,7 @@ def _run_axisymmetric(folder: Path, scenes: dict[Case, Scene], comm: MPI.Comm, p
     return [fault for of_rank in comm.allgather(faults) for fault in of_rank]
 
 
-def _run_bodies(place: Path, case: Case, scene: Scene, comm: MPI.Comm, progress: Progress) -> list[str]:
+def _run_bodies(place: Path, case: Case, scene: BellowsScene, comm: MPI.Comm, progress: Progress) -> list[str]:
     """The bodies of a case, on all ranks."""
     try:
         if case.group == "audit":

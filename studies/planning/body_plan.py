@@ -7,7 +7,7 @@ from pathlib import Path
 
 from meshes.user_mesh import read_user_mesh
 from studies.planning.plan import Model
-from studies.scene.bodies import ExactScene
+from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import CylinderGeometry, MeshGeometry, TubeGeometry
 from studies.scene.sections import SceneError
 
@@ -43,7 +43,7 @@ class ExactPlan:
     skipped: tuple[str, ...]
 
 
-def cells_of(scene: ExactScene, model: str) -> str:
+def cells_of(scene: BodyScene, model: str) -> str:
     """``hexahedra`` or ``tetrahedra``; on a meridian quadrilaterals or triangles go by the same names."""
     if scene.mesh.element != "auto":
         return "hexahedra" if scene.mesh.element == "hex" else "tetrahedra"
@@ -51,7 +51,7 @@ def cells_of(scene: ExactScene, model: str) -> str:
     return "tetrahedra" if model == "full3d" and scene.geometry.kind in round_bodies else "hexahedra"
 
 
-def make_exact_plan(scene: ExactScene, model: Model | None = None) -> ExactPlan:
+def make_exact_plan(scene: BodyScene, model: Model | None = None) -> ExactPlan:
     """Choose the runs of a scene.
 
     Parameters
@@ -110,7 +110,7 @@ def make_exact_plan(scene: ExactScene, model: Model | None = None) -> ExactPlan:
     return ExactPlan(chosen, levels, stop, tuple(skipped))
 
 
-def describe_exact(scene: ExactScene, plan: ExactPlan) -> str:
+def describe_exact(scene: BodyScene, plan: ExactPlan) -> str:
     """The plan as text for a terminal."""
     loads = ", ".join(f"{p:g}" for p in scene.loads_kpa) + " kPa"
     if isinstance(scene.geometry, CylinderGeometry):
@@ -122,7 +122,7 @@ def describe_exact(scene: ExactScene, plan: ExactPlan) -> str:
     return "\n".join([*lines, *(f"skipped: {reason}" for reason in plan.skipped)])
 
 
-def models_of(scene: ExactScene) -> tuple[Model, ...]:
+def models_of(scene: BodyScene) -> tuple[Model, ...]:
     """Models a scene has, the cheapest first."""
     g = scene.geometry
     if isinstance(g, MeshGeometry):

@@ -17,7 +17,8 @@ from typing import Literal
 from meshes.cells import CellKind
 from meshes.meridian import default_resolution, meridian_mesh
 from studies.planning.levels import BodyLevel, body_level, fineness
-from studies.scene.bellows import Scene, in_hexahedra, law_of, shape_of
+from studies.scene.bellows import BellowsScene, in_hexahedra, shape_of
+from studies.scene.materials import law_of
 
 Cells = Literal["hex", "tet"]
 Model = Literal["axisymmetric", "sector", "full3d"]
@@ -133,12 +134,12 @@ SECONDS: dict[tuple[Model, Cells], Seconds] = {
 }
 
 
-def cells_of(scene: Scene) -> Cells:
+def cells_of(scene: BellowsScene) -> Cells:
     """``hex`` for quadrilaterals and hexahedra, ``tet`` for triangles and tetrahedra."""
     return "hex" if in_hexahedra(scene) else "tet"
 
 
-def features(scene: Scene) -> tuple[float, ...]:
+def features(scene: BellowsScene) -> tuple[float, ...]:
     """Logarithms of what the meridian's error depends on.
 
     Wall over root radius; fillet over wall; depth of the fold over wall; highest pressure over shear modulus times wall
@@ -158,14 +159,14 @@ def features(scene: Scene) -> tuple[float, ...]:
     )
 
 
-def meridian_error_percent(scene: Scene, level: int) -> float:
+def meridian_error_percent(scene: BellowsScene, level: int) -> float:
     """Predicted error that a meridian leaves at the tip, percent: the largest over the requested pressures."""
     fit = FITS[cells_of(scene)]
     power = sum(s * (x - c) for s, x, c in zip(fit.slopes, features(scene), fit.centre, strict=True))
     return max(FLOOR_PERCENT, math.exp(fit.constants[LEVELS.index(level)] + power))
 
 
-def predicted_error_percent(scene: Scene, model: Model, level: str) -> float:
+def predicted_error_percent(scene: BellowsScene, model: Model, level: str) -> float:
     """Predicted error of a run at the tip, percent: the largest over the requested pressures.
 
     Parameters
@@ -197,7 +198,7 @@ def checked_error_percent(cells: Cells, level: int, value_mm: Sequence[float], o
     return max([FLOOR_PERCENT, *(100.0 * ratio * abs((v - o) / v) for v, o in pairs)])
 
 
-def predicted_unknowns(scene: Scene, model: Model, level: str) -> float:
+def predicted_unknowns(scene: BellowsScene, model: Model, level: str) -> float:
     """How many unknowns a run has, to some percent; meshed rings and what meets on the axis are not counted apart."""
     body = None if model == "axisymmetric" else body_level(level)
     refinement = fineness(level) if body is None else body.meridian
@@ -212,18 +213,18 @@ def predicted_unknowns(scene: Scene, model: Model, level: str) -> float:
     return displacements + (through + 1) * (along + 1) * (1 if body is None else around)
 
 
-def predicted_seconds(scene: Scene, model: Model, level: str) -> float:
+def predicted_seconds(scene: BellowsScene, model: Model, level: str) -> float:
     """Predicted wall seconds without start and imports, two cores; of a body with its axisymmetric start."""
     return SECONDS[model, cells_of(scene)].at(predicted_unknowns(scene, model, level))
 
 
-def knows(scene: Scene) -> bool:
+def knows(scene: BellowsScene) -> bool:
     """True if the model is about such a scene: the free tip of a centred bellows under pressure, without a force."""
     plain = not scene.blocked and not scene.load.tip_force_n
     return plain and scene.load.sense > 0.0 and not scene.geometry.eccentricity
 
 
-def around_for(scene: Scene, model: str) -> int:
+def around_for(scene: BellowsScene, model: str) -> int:
     """The smallest of `ROUNDS` that leaves the circumference its share of the scene's tolerance, or the largest."""
     cells = cells_of(scene)
     allowed = AROUND_SHARE * scene.ask.tolerance_percent
@@ -231,7 +232,7 @@ def around_for(scene: Scene, model: str) -> int:
     return next((n for n in shared_out if AROUND[cells].at(n) <= allowed), shared_out[-1])
 
 
-def candidates(scene: Scene, model: Model) -> list[str]:
+def candidates(scene: BellowsScene, model: Model) -> list[str]:
     """Levels of a model that may be chosen, coarsest first."""
     if model == "axisymmetric":
         return [f"r{level}" for level in LEVELS]
@@ -239,7 +240,7 @@ def candidates(scene: Scene, model: Model) -> list[str]:
     return [BodyLevel(around, meridian).name for meridian in LEVELS[:2]]  # bodies on r4 do not fit 24 GB
 
 
-def choose(scene: Scene, model: Model) -> Choice:
+def choose(scene: BellowsScene, model: Model) -> Choice:
     """The quickest level of a model whose predicted error is within the scene's tolerance, or the most exact.
 
     The prediction is the middle of a distribution: whoever uses the choice checks it with `checked_error_percent`.
@@ -264,7 +265,7 @@ def own_meridian(choice: Choice) -> int:
     return fineness(choice.level) if choice.model == "axisymmetric" else body_level(choice.level).meridian
 
 
-def explain(scene: Scene, choice: Choice) -> list[str]:
+def explain(scene: BellowsScene, choice: Choice) -> list[str]:
     """Sentences for a terminal: what is expected of a choice, what is left out, and how long that would have taken."""
     tolerance = scene.ask.tolerance_percent
     held = "within" if choice.within else "the best there is for"
@@ -296,5 +297,5 @@ def _time(seconds: float) -> str:
     return f"{seconds:.1f} s" if seconds < 120.0 else f"{seconds / 60.0:.1f} min"
 
 
-def _kind(scene: Scene) -> CellKind:
+def _kind(scene: BellowsScene) -> CellKind:
     return "quadrilaterals" if in_hexahedra(scene) else "triangles"

@@ -19,13 +19,13 @@ from studies.planning.error_model import (
 from studies.planning.levels import body_level, fineness
 from studies.results.compare import tip_at
 from studies.results.rows import Row, row
-from studies.scene.bellows import Scene
+from studies.scene.bellows import BellowsScene
 
 PREDICTED_ERROR, CHECKED_ERROR = "predicted_error_percent", "checked_error_percent"
 PREDICTED_WORK, WORK = "predicted_work_s", "work_s"
 
 
-def expectation_rows(scene: Scene, axisymmetric: Sequence[Run], bodies: Sequence[Run]) -> list[Row]:
+def expectation_rows(scene: BellowsScene, axisymmetric: Sequence[Run], bodies: Sequence[Run]) -> list[Row]:
     """Rows of the answer: its error predicted before and checked after solving, the work predicted and done.
 
     Parameters
@@ -79,11 +79,11 @@ def _meridian(run: Run) -> int:
     return fineness(level) if run.summary.model == "axisymmetric" else body_level(level).meridian
 
 
-def _tips(scene: Scene, run: Run) -> list[float]:
+def _tips(scene: BellowsScene, run: Run) -> list[float]:
     return [tip_at(run, pressure) for pressure in scene.load.pressure_kpa]
 
 
-def _checked_percent(scene: Scene, axisymmetric: Sequence[Run], meridian: int) -> float:
+def _checked_percent(scene: BellowsScene, axisymmetric: Sequence[Run], meridian: int) -> float:
     """Error that a meridian leaves, as the level before shows it, or of the first level the one after."""
     levels = [_meridian(run) for run in axisymmetric]
     at = levels.index(meridian)
@@ -91,14 +91,14 @@ def _checked_percent(scene: Scene, axisymmetric: Sequence[Run], meridian: int) -
     return checked_error_percent(cells_of(scene), meridian, _tips(scene, axisymmetric[at]), _tips(scene, beside))
 
 
-def _around_percent(scene: Scene, body: Run, axisymmetric: Sequence[Run]) -> float:
+def _around_percent(scene: BellowsScene, body: Run, axisymmetric: Sequence[Run]) -> float:
     """Error that the cells round leave: the difference from the axisymmetric tip on the same meridian."""
     base = next(run for run in axisymmetric if _meridian(run) == _meridian(body))
     pairs = zip(_tips(scene, body), _tips(scene, base), strict=True)
     return max((100.0 * abs(v / b - 1.0) for v, b in pairs if b and math.isfinite(v - b)), default=math.nan)
 
 
-def _work_s(scene: Scene, axisymmetric: Sequence[Run], bodies: Sequence[Run]) -> float:
+def _work_s(scene: BellowsScene, axisymmetric: Sequence[Run], bodies: Sequence[Run]) -> float:
     """Predicted seconds of all runs; those of a body hold those of the meridian it starts from."""
     within = {_meridian(run) for run in bodies}
     total = sum(

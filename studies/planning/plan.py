@@ -14,7 +14,7 @@ from studies.planning.error_model import (
     knows,
     meridians_for,
 )
-from studies.scene.bellows import RING_ERROR_PERCENT, Scene, in_hexahedra
+from studies.scene.bellows import RING_ERROR_PERCENT, BellowsScene, in_hexahedra
 from studies.scene.sections import SceneError
 
 Model = Literal["closed_form", "axisymmetric", "sector", "full3d"]
@@ -63,7 +63,7 @@ class Plan:
 
 
 def make_plan(
-    scene: Scene,
+    scene: BellowsScene,
     model: Model | None = None,
     around: tuple[int, ...] = (),
     sectors: tuple[int, ...] = (),
@@ -166,7 +166,7 @@ def make_plan(
     return Plan(chosen, levels, rounds, stop_when_met, tuple(skipped), sectors, choice=choice)
 
 
-def describe(scene: Scene, plan: Plan) -> str:
+def describe(scene: BellowsScene, plan: Plan) -> str:
     """The plan as text for a terminal."""
     lines = [f"{scene.name}: {scene.title}", f"answer: {plan.model}"]
     pressures = ", ".join(f"{p:g}" for p in scene.load.pressure_kpa)

@@ -25,7 +25,7 @@ from studies.report.pictures import RingBox
 from studies.report.plots import figure_file
 from studies.results.measures import find_places, largest_stretches
 from studies.results.states import load_state
-from studies.scene.bellows import Scene, shape_of
+from studies.scene.bellows import BellowsScene, shape_of
 
 _WIDTH_IN: Final = 8.2
 _TICK_POINTS: Final = 8.0
@@ -75,7 +75,9 @@ class RootPanel:
     rings: tuple[RingBox, ...]
 
 
-def root_panel(scene: Scene, run: Run, run_folder: Path, pressure_kpa: float, label: str = "") -> RootPanel | None:
+def root_panel(
+    scene: BellowsScene, run: Run, run_folder: Path, pressure_kpa: float, label: str = ""
+) -> RootPanel | None:
     """The middle root of a scene in a state of one of its axisymmetric runs.
 
     Parameters

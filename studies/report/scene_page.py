@@ -16,11 +16,11 @@ from studies.results import provenance
 from studies.results.compare import validity_notes
 from studies.results.files import PathRow
 from studies.results.states import load_state
-from studies.scene.bellows import Scene, shape_of
+from studies.scene.bellows import BellowsScene, shape_of
 
 
 def ring_boxes(
-    scene: Scene, run: Path, content_hash: str, pressures_kpa: Sequence[float]
+    scene: BellowsScene, run: Path, content_hash: str, pressures_kpa: Sequence[float]
 ) -> dict[float, tuple[RingBox, ...]]:
     """Where the rigid rings are at each pressure (kPa; 0 is unloaded), from the kept states."""
     if scene.rings.model != "rigid":

@@ -20,7 +20,8 @@ from studies.planning.error_model import AROUND, cells_of
 from studies.planning.levels import body_level, fineness
 from studies.results.rows import FOLDED_BACK, REACHED, Row, row
 from studies.results.uncertainty import SAFETY_IN_DOUBT, UNKNOWN, Convergence, convergence, from_two
-from studies.scene.bellows import Scene, dimensions_of, law_of
+from studies.scene.bellows import BellowsScene, dimensions_of
+from studies.scene.materials import law_of
 
 # Order to expect of the tip displacement. In the meridian, quadratic elements would give more than 2 for a smooth
 # solution, but the clamped edge and the ends of the bond are corners. Round the circumference all is smooth.
@@ -33,7 +34,7 @@ TipQuantity = Literal["tip_mm", "tip_force_n"]
 UNITS: dict[TipQuantity, str] = {"tip_mm": "mm", "tip_force_n": "N"}
 
 
-def main_quantity(scene: Scene) -> TipQuantity:
+def main_quantity(scene: BellowsScene) -> TipQuantity:
     """What the finite elements have to find: the force at a blocked tip, else its elongation."""
     return "tip_force_n" if scene.blocked else "tip_mm"
 
@@ -77,7 +78,7 @@ def run_convergence(runs: Sequence[Run], values: Sequence[float], nominal_order:
 
 
 def scene_rows(
-    scene: Scene, axisymmetric: Sequence[Run], sector: Sequence[Run] = (), full3d: Sequence[Run] = ()
+    scene: BellowsScene, axisymmetric: Sequence[Run], sector: Sequence[Run] = (), full3d: Sequence[Run] = ()
 ) -> list[Row]:
     """All rows of a scene.
 
@@ -110,7 +111,7 @@ def scene_rows(
 
 
 def _rows_at(
-    scene: Scene,
+    scene: BellowsScene,
     quantity: TipQuantity,
     pressure: float,
     axisymmetric: Sequence[Run],
@@ -173,7 +174,7 @@ def _on_meridian(run: Run, axisymmetric: Sequence[Run]) -> Run | None:
 
 
 def _error_around(
-    scene: Scene, run: Run, bodies: Sequence[Run], base: float, pressure: float, quantity: TipQuantity
+    scene: BellowsScene, run: Run, bodies: Sequence[Run], base: float, pressure: float, quantity: TipQuantity
 ) -> float:
     """What the cells round the circumference leave of error in a body's tip.
 
@@ -201,7 +202,7 @@ def _error_around(
     return SAFETY_IN_DOUBT * abs(tip - base)
 
 
-def _checks(scene: Scene, run: Run, pressure: float) -> list[Row]:
+def _checks(scene: BellowsScene, run: Run, pressure: float) -> list[Row]:
     """Stability count, least det F, slip of the bond and displacement on the axis of a run at a pressure."""
     for entry in run.path:
         if entry.status == "requested" and math.isclose(entry.pressure_kpa, pressure, rel_tol=1e-9):
@@ -227,7 +228,7 @@ def _status(run: Run, value: float) -> str:
     return f"stopped at {last:.2f} kPa: {run.summary.reason}"
 
 
-def _closed_forms(scene: Scene, pressure_kpa: float) -> list[tuple[str, float, str]]:
+def _closed_forms(scene: BellowsScene, pressure_kpa: float) -> list[tuple[str, float, str]]:
     """(model, main quantity, status) of the closed form: its chains, and the mended one with the free half pitch."""
     if scene.load.sense < 0.0:
         return []  # it has no vacuum
@@ -249,7 +250,7 @@ def _closed_forms(scene: Scene, pressure_kpa: float) -> list[tuple[str, float, s
 
 
 def _closed_form_value(
-    scene: Scene, chain: Chain, dimensions: BellowsDimensions, pressure_kpa: float
+    scene: BellowsScene, chain: Chain, dimensions: BellowsDimensions, pressure_kpa: float
 ) -> tuple[float, str]:
     """The main quantity of a scene by a chain, mm or N, and in which state the chain is if it is past the model."""
     law = law_of(scene.material)
@@ -267,7 +268,7 @@ def _elongation(chain: Chain, dimensions: BellowsDimensions, law: Law, pressure_
     return float(answer.elongation_mm[0]), FOLDED_BACK if answer.state[0] == "past the model" else REACHED
 
 
-def _least_forces(scene: Scene, pressure_kpa: float) -> list[Row]:
+def _least_forces(scene: BellowsScene, pressure_kpa: float) -> list[Row]:
     """Thrust of the pressure alone by the closed form: the tip force of a wall that buckles rather than push."""
     try:
         thrust = held_tip(dimensions_of(scene), law_of(scene.material), pressure_kpa).extension_force_n
@@ -276,14 +277,14 @@ def _least_forces(scene: Scene, pressure_kpa: float) -> list[Row]:
     return [row(scene.name, "extension_force_n", "N", pressure_kpa, "closed_form", float(thrust[0]))]
 
 
-def _printed(scene: Scene) -> paper.PrintedElongation | None:
+def _printed(scene: BellowsScene) -> paper.PrintedElongation | None:
     if scene.blocked or scene.load.tip_force_n:
         return None  # the paper's tips are free
     g = scene.geometry
     return paper.printed(g.wall_mm, g.root_radius_mm, g.crest_radius_mm, g.half_pitch_mm, g.convolutions)
 
 
-def validity_notes(scene: Scene) -> list[str]:
+def validity_notes(scene: BellowsScene) -> list[str]:
     """What a reader must know of the closed form's and the paper's numbers for a scene."""
     dimensions, law = dimensions_of(scene), law_of(scene.material)
     notes = []

@@ -42,7 +42,8 @@ from studies.models.run_log import Run
 from studies.results.compare import MERIDIAN_ORDER, run_convergence
 from studies.results.rows import Row, row
 from studies.results.states import load_state
-from studies.scene.bellows import Scene, dimensions_of, in_hexahedra, law_of, shape_of
+from studies.scene.bellows import BellowsScene, dimensions_of, in_hexahedra, shape_of
+from studies.scene.materials import law_of
 
 UNITS = {
     "root_stretch_outer": "1",
@@ -104,7 +105,7 @@ class Places:
         return f"{'cap' if kind == 'corner' else kind}, {('cavity side', 'middle', 'outside')[depth]}"
 
 
-def find_places(scene: Scene, refinement: int) -> Places:
+def find_places(scene: BellowsScene, refinement: int) -> Places:
     """Mesh the meridian of a scene at a refinement and find the places in it."""
     shape, mesh = shape_of(scene), scene_meridian(scene, refinement)
     cells: CellKind = "quadrilaterals" if in_hexahedra(scene) else "triangles"
@@ -158,7 +159,7 @@ class Measured:
     peak_in: Mapping[str, str]
 
 
-def measure(scene: Scene, places: Places, state: State) -> Measured:
+def measure(scene: BellowsScene, places: Places, state: State) -> Measured:
     """Measure an axisymmetric state; what a scene without (rigid) rings does not have is left out."""
     u = state.displacement_mm
     hoop = hoop_stretches(places.points, u)
@@ -267,7 +268,7 @@ def unfolding_pressure(pressures_kpa: Sequence[float], bulges_mm: Sequence[float
     return min((float(p) for p in bulge.solve(fold_mm, extrapolate=False)), default=math.nan)
 
 
-def model_values(scene: Scene, pressure_kpa: float) -> dict[str, float]:
+def model_values(scene: BellowsScene, pressure_kpa: float) -> dict[str, float]:
     """What the closed form says of the measured quantities, as far as it says anything.
 
     At a blocked tip its roots open as at a free one; with a force on the tip it does not know the wall's stretch.
@@ -303,7 +304,7 @@ class _Entry:
     place: str = ""
 
 
-def measured_rows(scene: Scene, runs: Sequence[Run], folder: Path) -> list[Row]:
+def measured_rows(scene: BellowsScene, runs: Sequence[Run], folder: Path) -> list[Row]:
     """Rows of what the states of a scene's axisymmetric runs were measured for, beside the closed form's values.
 
     Parameters
@@ -336,7 +337,7 @@ def measured_rows(scene: Scene, runs: Sequence[Run], folder: Path) -> list[Row]:
     return rows + _compared(scene.name, "unfolding_kpa", "kPa", math.nan, unfolding, model.get("unfolding_kpa"))
 
 
-def _measured_run(scene: Scene, run: Run, folder: Path) -> dict[float, Measured]:
+def _measured_run(scene: BellowsScene, run: Run, folder: Path) -> dict[float, Measured]:
     """What was measured in a run's states, by requested pressure, kPa."""
     places = find_places(scene, int(run.summary.level.removeprefix("r")))
     found = {}
@@ -347,7 +348,7 @@ def _measured_run(scene: Scene, run: Run, folder: Path) -> dict[float, Measured]
     return found
 
 
-def _unfolding(scene: Scene, run: Run, states: Mapping[float, Measured]) -> _Entry:
+def _unfolding(scene: BellowsScene, run: Run, states: Mapping[float, Measured]) -> _Entry:
     pressures = sorted(states)
     fold = scene.geometry.crest_radius_mm - scene.geometry.root_radius_mm
     value = unfolding_pressure(pressures, [states[p].values["root_bulge_mm"] for p in pressures], fold)

@@ -24,7 +24,8 @@ from studies.report.pages import write_page
 from studies.report.tables import Table
 from studies.results import provenance
 from studies.results.rows import REACHED, Row, row, write_rows
-from studies.scene.bellows import Scene, load_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
 from studies.vacuum.plots import draw_contractions, draw_shapes
 
 SCENES = provenance.ROOT / "scenes" / "vacuum"
@@ -32,17 +33,17 @@ LEVELS = (1, 2)
 STOPPED = 3
 
 
-def scenes() -> list[Scene]:
+def scenes() -> list[BellowsScene]:
     """Scenes of the study, by name."""
-    return [load_scene(path) for path in sorted(SCENES.glob("*.toml"))]
+    return [load_bellows(path) for path in sorted(SCENES.glob("*.toml"))]
 
 
-def run_folder(out: Path, scene: Scene, level: int) -> Path:
+def run_folder(out: Path, scene: BellowsScene, level: int) -> Path:
     """Where a run is kept."""
     return out / scene.name / f"axisymmetric-r{level}"
 
 
-def scene_rows(out: Path, scene: Scene, runs: Sequence[Run]) -> list[Row]:
+def scene_rows(out: Path, scene: BellowsScene, runs: Sequence[Run]) -> list[Row]:
     """Rows of a scene: contraction, gap, contact force, modes at each requested pressure, and where stability is lost.
 
     The reference of a level is the finest one.
@@ -98,7 +99,7 @@ def pressure_work_mj(run: Run) -> float:
     return float(np.sum(0.5 * (pressure[1:] + pressure[:-1]) * np.diff(volume)))
 
 
-def contraction_table(rows: Sequence[Row], scene: Scene) -> Table:
+def contraction_table(rows: Sequence[Row], scene: BellowsScene) -> Table:
     """A line per requested pressure."""
     value = {(r.level, r.pressure_kpa, r.quantity): r.value for r in rows}
     levels = list(dict.fromkeys(r.level for r in rows))

@@ -20,7 +20,8 @@ from studies.models.session import ROWS_FILE, SCENE_FILE
 from studies.planning.levels import fineness
 from studies.progress import Progress
 from studies.results.rows import Row, row, write_rows
-from studies.scene.bodies import ExactScene, load_any_scene
+from studies.scene.bodies import BodyScene
+from studies.scene.files import load_scene
 from studies.scene.sections import SceneError
 from studies.verification import two_routes as exact_table
 
@@ -83,8 +84,8 @@ def run_verification(
     """
     results = []
     for path in scenes:
-        scene = load_any_scene(path)
-        if not isinstance(scene, ExactScene):
+        scene = load_scene(path)
+        if not isinstance(scene, BodyScene):
             raise SceneError(f"{path}: a bellows has no exact answer: give scenes such as those of scenes/exact")
         if scene.geometry.kind == "mesh":
             continue

@@ -14,7 +14,8 @@ from studies.contact.study import exact_table, state_table
 from studies.models.contact import LIMIT, STIFFNESS
 from studies.progress import Progress
 from studies.results.rows import REACHED, Row, read_rows, row
-from studies.scene.bellows import Scene, load_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
 from studies.vacuum import study as vacuum_study
 
 
@@ -62,9 +63,9 @@ def test_table_of_states_leaves_what_was_not_reached_empty() -> None:
 
 
 def test_vacuum_report_of_a_small_bellows(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    smoke = load_scene(root / "scenes" / "smoke-t2-ri5.toml")
+    smoke = load_bellows(root / "scenes" / "smoke-t2-ri5.toml")
     load = smoke.load.model_copy(update={"pressure_kpa": [-0.5, -2.0]})
-    scene: Scene = smoke.model_copy(update={"load": load})
+    scene: BellowsScene = smoke.model_copy(update={"load": load})
     monkeypatch.setattr(vacuum_study, "scenes", lambda: [scene])
     page, reached = vacuum_study.write_study(tmp_path, (1,), Progress(MPI.COMM_WORLD))
     assert reached

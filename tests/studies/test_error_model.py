@@ -41,16 +41,17 @@ from studies.planning.error_model import (
 from studies.progress import Progress
 from studies.results import provenance
 from studies.results.rows import row
-from studies.scene.bellows import Scene, load_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
 
 CHECKS = sorted(TOLERANCE_SCENES.glob("*.toml"))
 
 
-def actuator() -> Scene:
-    return load_scene(provenance.ROOT / "scenes" / "heung-t2-ri5.toml")
+def actuator() -> BellowsScene:
+    return load_bellows(provenance.ROOT / "scenes" / "heung-t2-ri5.toml")
 
 
-def with_tolerance(scene: Scene, percent: float) -> Scene:
+def with_tolerance(scene: BellowsScene, percent: float) -> BellowsScene:
     return scene.model_copy(update={"ask": scene.ask.model_copy(update={"tolerance_percent": percent})})
 
 
@@ -70,7 +71,7 @@ def made_up_samples(power: float, count: int = 12) -> list[Sample]:
 
 
 def test_ten_check_scenes_span_what_they_should_and_are_not_trained_on() -> None:
-    scenes = [load_scene(path) for path in CHECKS]
+    scenes = [load_bellows(path) for path in CHECKS]
     assert len(scenes) == 10
     assert {scene.material.law for scene in scenes} == {"yeoh", "ogden"}
     assert len({(s.rings.seat_mm, s.geometry.fillet_mm, s.geometry.half_pitch_mm) for s in scenes}) == 3

@@ -15,7 +15,8 @@ from studies.models import body_run as exact_run
 from studies.results.exact_answers import exact_bore_mm, exact_crossing_kpa
 from studies.results.files import PATH_COLUMNS, read_path, read_summary
 from studies.results.rows import COLUMNS, Row, read_rows
-from studies.scene.bodies import ExactScene, load_any_scene
+from studies.scene.bodies import BodyScene
+from studies.scene.files import load_scene
 from studies.scene.sections import SceneError
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -52,9 +53,9 @@ def solved(path: Path, out: Path, *options: str) -> list[Row]:
     return read_rows(out / "rows.csv")
 
 
-def shipped(name: str) -> ExactScene:
-    found = load_any_scene(SCENES / f"{name}.toml")
-    assert isinstance(found, ExactScene)
+def shipped(name: str) -> BodyScene:
+    found = load_scene(SCENES / f"{name}.toml")
+    assert isinstance(found, BodyScene)
     return found
 
 
@@ -243,7 +244,7 @@ def test_batch_and_report(scene, tmp_path) -> None:
 
 @pytest.mark.parametrize("path", sorted(SCENES.glob("*.toml")), ids=lambda p: p.stem)
 def test_shipped_scenes_are_accepted_and_planned(path: Path) -> None:
-    assert load_any_scene(path).name == path.stem
+    assert load_scene(path).name == path.stem
     result = run("plan", path)
     assert result.exit_code == 0
     assert "path from 0 through" in result.output
@@ -278,7 +279,7 @@ def test_exact_crossings_by_kind() -> None:
 def test_wrong_scenes_exit_2_and_write_nothing(scene, tmp_path, name: str, old: str, new: str, said: str) -> None:
     path, out = scene(name, (old, new)), tmp_path / "out"
     with pytest.raises(SceneError) as refusal:
-        load_any_scene(path)
+        load_scene(path)
     assert said in str(refusal.value)
     assert run("solve", path, "--out", out).exit_code == 2
     assert not out.exists()
@@ -289,7 +290,7 @@ def test_a_mesh_that_nothing_holds_is_refused(scene, tmp_path) -> None:
     mesh = tmp_path / "octant.msh"
     mesh.write_bytes(mesh.read_bytes().replace(b'"symmetry_x"', b'"outer"'))
     with pytest.raises(SceneError, match="nothing holds the body.*along x: symmetry_x"):
-        load_any_scene(path)
+        load_scene(path)
 
 
 def test_models_a_body_has_not_are_refused(scene) -> None:

@@ -13,14 +13,15 @@ from studies.planning.expectations import CHECKED_ERROR, PREDICTED_ERROR, PREDIC
 from studies.planning.plan import describe, make_plan
 from studies.progress import Progress
 from studies.results import provenance
-from studies.scene.bellows import Scene, load_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
 
 SCENE = provenance.ROOT / "scenes" / "peers" / "bellows.toml"
 
 
-def short_bellows(tolerance_percent: float, blocked: bool = False) -> Scene:
+def short_bellows(tolerance_percent: float, blocked: bool = False) -> BellowsScene:
     """Two convolutions with rigid rings, unfolded little."""
-    scene = load_scene(SCENE)
+    scene = load_bellows(SCENE)
     return scene.model_copy(
         update={
             "rings": scene.rings.model_copy(update={"model": "rigid"}),
@@ -30,7 +31,7 @@ def short_bellows(tolerance_percent: float, blocked: bool = False) -> Scene:
     )
 
 
-def solved(scene: Scene, folder: Path) -> SceneResult:
+def solved(scene: BellowsScene, folder: Path) -> SceneResult:
     """The axisymmetric plan of a scene, done."""
     return run_plan(scene, SCENE.read_text(), make_plan(scene), folder, MPI.COMM_WORLD, Progress(MPI.COMM_WORLD))
 

@@ -13,17 +13,17 @@ from solvers.linear.factor import Factor
 from studies.models import runs
 from studies.planning.levels import BodyLevel
 from studies.progress import Progress
-from studies.scene.bellows import Scene, load_scene
-from studies.scene.bodies import load_any_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows, load_scene
 from studies.scene.sections import SceneError
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture
-def small(tmp_path) -> Scene:
+def small(tmp_path) -> BellowsScene:
     text = (ROOT / "scenes" / "smoke-t2-ri5.toml").read_text(encoding="utf-8")
-    scene = load_scene(_written(tmp_path / "small.toml", text))
+    scene = load_bellows(_written(tmp_path / "small.toml", text))
     geometry = scene.geometry.model_copy(update={"convolutions": 1})
     return scene.model_copy(
         update={"geometry": geometry, "load": scene.load.model_copy(update={"pressure_kpa": [2.0]})}
@@ -71,4 +71,4 @@ def test_small_bodies_and_linear_elements_are_not_solved_iteratively(tmp_path) -
         (bellows + '\n[mesh]\nsolver = "iterative"\nelement = "tet-p1"\n', "made for quadratic elements"),
     ):
         with pytest.raises(SceneError, match=said):
-            load_any_scene(_written(tmp_path / "scene.toml", text))
+            load_scene(_written(tmp_path / "scene.toml", text))

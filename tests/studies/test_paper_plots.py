@@ -20,7 +20,7 @@ from studies.paper.results import CaseResult, PaperResults
 from studies.report.plots import figure_file
 from studies.results.files import PathRow, RunSummary
 from studies.results.rows import FOLDED_BACK, REACHED, Row, row
-from studies.scene.bellows import Scene
+from studies.scene.bellows import BellowsScene
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
 DRAW = [
@@ -101,7 +101,7 @@ def made_up(
     cause, crossing_kpa
         Why it stops, and from where on its states have an unstable mode.
     """
-    scene = Scene.model_validate(tomllib.loads(case_text(case, SCENES)))
+    scene = BellowsScene.model_validate(tomllib.loads(case_text(case, SCENES)))
     asked = [p for p in scene.load.pressure_kpa if p <= stop_kpa]
     rows: list[Row] = []
 

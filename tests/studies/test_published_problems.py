@@ -13,7 +13,7 @@ from studies.__main__ import main
 from studies.progress import Progress
 from studies.results.exact_answers import COOK_CORNER_MM
 from studies.results.rows import Row, read_rows, row
-from studies.scene.bodies import load_any_scene
+from studies.scene.files import load_scene
 from studies.scene.sections import SceneError
 from studies.verification import study as verification
 from studies.verification.report import render_verification
@@ -73,7 +73,7 @@ def test_tetrahedra_are_refused_for_cooks_membrane(tmp_path) -> None:
     path = tmp_path / "cook.toml"
     path.write_text((SCENES / "cook.toml").read_text(encoding="utf-8") + '[mesh]\nelement = "tet-p1"\n')
     with pytest.raises(SceneError, match="a cook is meshed in hexahedra"):
-        load_any_scene(path)
+        load_scene(path)
 
 
 @pytest.mark.parametrize(
@@ -108,7 +108,7 @@ def test_wrong_scenes_are_refused(tmp_path, name: str, old: str, new: str, said:
     path = tmp_path / f"{name}.toml"
     path.write_text(text.replace(old, new), encoding="utf-8")
     with pytest.raises(SceneError) as refusal:
-        load_any_scene(path)
+        load_scene(path)
     assert said in str(refusal.value)
 
 
