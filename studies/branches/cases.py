@@ -34,10 +34,11 @@ from solvers.paths.path import follow_guesses, follow_path
 from solvers.paths.records import Crossing, GuessMemory, PathSettings, PathState
 from solvers.problem import Problem, Surfaces
 from solvers.state import State
-from studies.models.build import revolve_state, scene_body, scene_meridian, scene_problem
+from studies.models.build import revolve_state, scene_problem
 from studies.results import provenance
 from studies.scene.bellows import BellowsScene
 from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_body, scene_meridian
 
 LAW: Final = NeoHooke(0.1)
 SPHERES: Final = TwoSpheres(Sphere(5.0, 6.5), Sphere(15.0, 19.7))

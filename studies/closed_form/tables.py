@@ -24,8 +24,8 @@ from analytical.materials import (
 )
 from analytical.mends import MENDS, Mend, effect_cm
 from analytical.paper import PRINTED_PRESSURE_KPA, PaperActuator, Silicone
-from studies.report.tables import MISSING, TIP, Table, difference_percent, model_label, signed
-from studies.results.rows import Row, row
+from studies.report.tables import MISSING, TIP, Table, model_label, signed
+from studies.results.rows import Row, difference_percent, row
 
 PRESSURES_KPA: Final = (5.0, 10.0, 15.0, 20.0)
 # By model: how its chain reads the equations.

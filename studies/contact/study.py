@@ -17,9 +17,9 @@ import numpy as np
 from mpi4py import MPI
 
 from studies.contact.exact import exact_rows
+from studies.models.axisymmetric import run_axisymmetric
 from studies.models.contact import CONTACT_FILE, MODELLED, SMOOTHING, STIFFNESS, read_reports
-from studies.models.run_log import CONTACT, Run
-from studies.models.runs import run_axisymmetric
+from studies.models.run_log import CONTACT
 from studies.planning.levels import fineness
 from studies.progress import Progress
 from studies.report.pages import write_page
@@ -28,6 +28,7 @@ from studies.results import provenance
 from studies.results.files import PathRow, read_summary
 from studies.results.measures import find_places, largest_stretches
 from studies.results.rows import REACHED, Row, row, write_rows
+from studies.results.runs import Run
 from studies.results.states import load_state
 from studies.scene.bellows import BellowsScene, Contact
 from studies.scene.files import load_bellows

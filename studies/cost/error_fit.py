@@ -24,12 +24,9 @@ from meshes.solid import FloatArray
 from solvers.errors import SolverError
 from studies.cost.report import CHOSEN
 from studies.cost.rows import Point, points, power_law
-from studies.models.build import scene_meridian
-from studies.models.run_log import Run
-from studies.models.runs import run_axisymmetric
+from studies.models.axisymmetric import run_axisymmetric
 from studies.planning.error_model import (
     FLOOR_PERCENT,
-    LEVELS,
     LONGEST,
     Cells,
     Fit,
@@ -40,13 +37,15 @@ from studies.planning.error_model import (
     predicted_error_percent,
     predicted_seconds,
 )
+from studies.planning.levels import MERIDIANS
 from studies.progress import Progress
 from studies.results import provenance
-from studies.results.compare import tip_at
 from studies.results.files import write_text_atomically
 from studies.results.rows import REACHED, Row, read_rows, row, write_rows
+from studies.results.runs import Run, tip_at
 from studies.scene.bellows import BellowsScene, shape_of
 from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_meridian
 
 TOLERANCE_SCENES = provenance.ROOT / "scenes" / "tolerance"
 TRAINING, SEED = 24, 20241
@@ -196,7 +195,7 @@ def all_samples(scenes: Sequence[BellowsScene], folder: Path, comm: MPI.Comm) ->
     progress = Progress(comm)
     mine = []
     for scene, of in jobs[comm.rank :: comm.size]:
-        mine.append(sample(scene, of, (*LEVELS, FINEST) if of == "hex" else LEVELS, folder, progress))
+        mine.append(sample(scene, of, (*MERIDIANS, FINEST) if of == "hex" else MERIDIANS, folder, progress))
     found = comm.gather(mine)
     return [s for of_rank in found for s in of_rank] if found else []
 
@@ -214,9 +213,9 @@ def fit(samples: Sequence[Sample], limits: dict[str, tuple[float, ...]], cells: 
     a tenth.
     """
     of = [s for s in samples if s.cells == cells]
-    ratios: dict[int, list[float]] = {level: [] for level in LEVELS}
+    ratios: dict[int, list[float]] = {level: [] for level in MERIDIANS}
     for s in of:
-        for level in LEVELS:
+        for level in MERIDIANS:
             beside = level // 2 if level > 1 else 2
             changes = [100.0 * abs(v / o - 1.0) for v, o in zip(s.tips_mm[level], s.tips_mm[beside], strict=True)]
             ratios[level].append(_log_error(s, level, limits) - math.log(max(FLOOR_PERCENT, *changes)))
@@ -225,7 +224,7 @@ def fit(samples: Sequence[Sample], limits: dict[str, tuple[float, ...]], cells: 
         kept = _solve([s for s in of if _family(s) != out], limits)
         for s in of:
             if _family(s) == out:
-                misses += [_predict(kept, s, level) - _log_error(s, level, limits) for level in LEVELS]
+                misses += [_predict(kept, s, level) - _log_error(s, level, limits) for level in MERIDIANS]
     constants, slopes, centre = _solve(of, limits)
     ends = {level: np.quantile(found, [TAIL, 1.0 - TAIL]) for level, found in ratios.items()}
     return Fit(
@@ -233,7 +232,7 @@ def fit(samples: Sequence[Sample], limits: dict[str, tuple[float, ...]], cells: 
         slopes=_rounded(slopes),
         centre=_rounded(centre),
         spread=round(float(np.sqrt(np.mean(np.square(misses)))), 3),
-        ratios=_rounded([math.exp(0.5 * float(sum(ends[level]))) for level in LEVELS]),
+        ratios=_rounded([math.exp(0.5 * float(sum(ends[level]))) for level in MERIDIANS]),
     )
 
 
@@ -252,9 +251,9 @@ Solution = tuple[FloatArray, FloatArray, FloatArray]
 
 def _solve(samples: Sequence[Sample], limits: dict[str, tuple[float, ...]]) -> Solution:
     """Constants by level, slopes, and the features' means."""
-    levels = len(LEVELS)
-    rows = [[*(float(level == other) for other in LEVELS), *s.features] for s in samples for level in LEVELS]
-    a, b = np.array(rows), np.array([_log_error(s, level, limits) for s in samples for level in LEVELS])
+    levels = len(MERIDIANS)
+    rows = [[*(float(level == other) for other in MERIDIANS), *s.features] for s in samples for level in MERIDIANS]
+    a, b = np.array(rows), np.array([_log_error(s, level, limits) for s in samples for level in MERIDIANS])
     centre = a[:, levels:].mean(axis=0)
     a[:, levels:] -= centre
     penalty = np.diag([0.0] * levels + [RIDGE] * len(centre))
@@ -265,7 +264,7 @@ def _solve(samples: Sequence[Sample], limits: dict[str, tuple[float, ...]]) -> S
 def _predict(solution: Solution, s: Sample, level: int) -> float:
     """Logarithm of the error."""
     constants, slopes, centre = solution
-    return float(constants[LEVELS.index(level)] + slopes @ (np.array(s.features) - centre))
+    return float(constants[MERIDIANS.index(level)] + slopes @ (np.array(s.features) - centre))
 
 
 def _rounded(numbers: Sequence[float] | np.ndarray) -> tuple[float, ...]:
@@ -302,7 +301,7 @@ def check_rows(
     for s in samples:
         scene = in_cells(by_name[s.scene], s.cells)
         choice = choose(scene, "axisymmetric")
-        for level in LEVELS:
+        for level in MERIDIANS:
             name = f"{s.cells} r{level}"
             achieved = max(FLOOR_PERCENT, *s.errors_percent(level, limits[s.scene]))
             beside = s.tips_mm[level // 2 if level > 1 else 2]

@@ -10,9 +10,9 @@ import numpy as np
 
 from studies.cost.cells import QUIET, TUBE, Cell, Measurement, cell_scene, is_default
 from studies.planning.levels import fineness, ranking
-from studies.results.compare import MERIDIAN_ORDER
 from studies.results.exact_answers import exact_bore_mm
 from studies.results.rows import REACHED, Row, row
+from studies.results.runs import MERIDIAN_ORDER
 from studies.results.uncertainty import convergence
 from studies.scene.bodies import BodyScene
 

@@ -18,10 +18,11 @@ from solvers.linear.factor import Factor
 from solvers.paths.path import PathSettings, follow_guesses, follow_path
 from solvers.problem import Problem
 from solvers.state import State
-from studies.models.build import revolve_state, scene_body, scene_meridian, scene_problem
+from studies.models.build import revolve_state, scene_problem
 from studies.results import provenance
 from studies.results.rows import Row, row, write_rows
 from studies.scene.bellows import BellowsScene
+from studies.scene.meshes import scene_body, scene_meridian
 
 # Of the 2 mm actuator in hexahedra: about 150,000 unknowns.
 AROUND: Final = 16

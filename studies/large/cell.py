@@ -19,11 +19,12 @@ from solvers.errors import SolverError
 from solvers.linear.factor import Factor
 from solvers.linear.krylov import IterativeSolver
 from solvers.paths.path import PathSettings, follow_path
-from studies.models.build import revolve_state, scene_body, scene_meridian, scene_problem
+from studies.models.build import revolve_state, scene_problem
 from studies.results import provenance
 from studies.results.files import write_text_atomically
 from studies.scene.bellows import BellowsScene
 from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_body, scene_meridian
 
 Method = Literal["direct", "iterative"]
 

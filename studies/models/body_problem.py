@@ -31,7 +31,7 @@ from solvers.discrete.domain import create_domain
 from solvers.problem import SOFT, Problem, Surfaces
 from solvers.state import State
 from studies.models.build import element_of
-from studies.planning.body_plan import cells_of
+from studies.planning.bodies import cells_of
 from studies.planning.levels import fineness
 from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import (

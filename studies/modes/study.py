@@ -13,17 +13,16 @@ from mpi4py import MPI
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
 from solvers.stability.modes import WAVES
-from studies.models.body_session import CORNER_ORDER
 from studies.models.modes import COUNTED_LEVELS, FoundCrossing, counts_of, read_crossings
 from studies.models.modes_model import ModesModel
-from studies.models.run_log import Run
 from studies.modes.full3d import confirm_rows
 from studies.modes.pictures import draw_mode
 from studies.modes.ring import ring_rows
 from studies.progress import Progress
 from studies.results import provenance
-from studies.results.compare import MERIDIAN_ORDER
+from studies.results.body_rows import CORNER_ORDER
 from studies.results.rows import Row, is_reached, row, write_rows
+from studies.results.runs import MERIDIAN_ORDER, Run
 from studies.results.uncertainty import UNKNOWN, Convergence, from_two
 from studies.scene.bodies import BodyScene
 from studies.scene.files import load_scene
@@ -122,7 +121,7 @@ def scene_modes(model: ModesModel, text: str, out: Path, confirm: bool, progress
 def _count_rows(model: ModesModel, runs: Sequence[Run]) -> list[Row]:
     """Unstable modes of each harmonic at each requested pressure."""
     rows = []
-    for pressure in model.loads_kpa:
+    for pressure in model.scene.loads_kpa:
         for run in runs:
             here = [
                 r for r in run.path if r.status == "requested" and math.isclose(r.pressure_kpa, pressure, rel_tol=1e-9)

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from studies.models.run_log import field_files
 from studies.paper import plots as paper_plots
 from studies.paper.cases import REFERENCE_SCENES
 from studies.paper.numbers import HIGHEST_KPA, finest, is_known, named, tip
@@ -17,6 +16,7 @@ from studies.report.drawn import key_of, once
 from studies.report.meridian_pictures import RootPanel, draw_root_fields, root_panel
 from studies.report.pictures import Still, draw_side_by_side, draw_states
 from studies.report.tables import value_text
+from studies.results.states import field_files
 
 # The actuator and the pressure (kPa) of the view of the paper's Figure 4B; which one that shows is not printed.
 FIGURE_4B: Final = (REFERENCE_SCENES[0], 10.0)

@@ -19,7 +19,6 @@ from matplotlib.ticker import FuncFormatter
 
 from analytical.paper import ALTERNATE_FAMILIES, PRINTED_PRESSURE_KPA, REFERENCE_FAMILY, actuators
 from studies.closed_form.tables import SILICONES, STRETCH_AT_BREAK
-from studies.models.run_log import Run
 from studies.paper.cases import REFERENCE_SCENES, RING_VARIANTS, THICK
 from studies.paper.results import CaseResult, PaperResults
 from studies.report.plots import (
@@ -40,6 +39,7 @@ from studies.report.plots import (
 from studies.report.tables import TIP, TIP_FORCE, model_label
 from studies.results.files import PathRow
 from studies.results.rows import FOLDED_BACK, Row
+from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene
 
 _WIDTH_IN: Final = 8.2

@@ -24,9 +24,9 @@ from studies.paper.results import CaseResult, PaperResults
 from studies.paper.tables import CHAINS
 from studies.paper.variant_tables import REFERENCE_RING, nearer
 from studies.paper.verdicts import HOLDS, UNDECIDED
-from studies.report.tables import MISSING, difference_percent, model_label, run_label, signed
-from studies.results.compare import validity_notes
-from studies.results.rows import FOLDED_BACK, REACHED, Row
+from studies.report.tables import MISSING, model_label, run_label, signed
+from studies.results.closed_form_rows import validity_notes
+from studies.results.rows import FOLDED_BACK, REACHED, Row, difference_percent
 
 _NAMES_SHOWN = 4
 
@@ -155,12 +155,12 @@ def stops(results: PaperResults) -> tuple[str, ...]:
     for case in results.cases:
         found: dict[str, list[str]] = {}
         result = case.result
-        for run in (*result.axisymmetric, *result.sector, *result.full3d):
+        for run in result.runs:
             if run.summary.status != REACHED:
                 label = f"{run_label(run.summary.model, run.summary.level)} at {last_kpa(run):.4g} kPa"
                 found.setdefault(run.summary.reason, []).append(label)
         sentences += [f"{case.case.name}, {', '.join(labels)}: {why}" for why, labels in found.items()]
-        if not (result.axisymmetric or result.sector or result.full3d):
+        if not result.runs:
             sentences.append(f"{case.case.name}: no finished run")
     return tuple(sentences)
 
@@ -176,7 +176,7 @@ def notes(results: PaperResults) -> tuple[str, ...]:
 
 def _sentences(case: CaseResult) -> list[str]:
     result = case.result
-    runs = (*result.axisymmetric, *result.sector, *result.full3d)
+    runs = result.runs
     return list(dict.fromkeys((*validity_notes(result.scene), *(s for run in runs for s in run.summary.plan))))
 
 

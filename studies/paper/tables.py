@@ -24,8 +24,8 @@ from studies.paper.numbers import (
     unfolding,
 )
 from studies.paper.results import CaseResult, PaperResults
-from studies.report.tables import MISSING, Table, difference_percent, model_label, signed, value_text
-from studies.results.rows import REACHED, Row
+from studies.report.tables import MISSING, Table, model_label, signed, value_text
+from studies.results.rows import REACHED, Row, difference_percent
 
 CHAINS: Final = ("closed_form", "closed_form_printed", "closed_form_balanced", "closed_form_seat")
 PRINTED: Final = ("paper_closed_form", "paper_ansys", "paper_experiment")

@@ -8,7 +8,6 @@ from typing import Final
 
 from analytical.paper import PRINTED
 from studies.closed_form.tables import SILICONES, STRETCH_AT_BREAK
-from studies.models.run_log import Run
 from studies.paper.cases import RING_VARIANTS, THICK, THIN
 from studies.paper.numbers import (
     HIGHEST_KPA,
@@ -27,17 +26,9 @@ from studies.paper.numbers import (
     tip,
 )
 from studies.paper.results import CaseResult, PaperResults
-from studies.report.tables import (
-    MISSING,
-    TIP_FORCE,
-    Table,
-    count,
-    difference_percent,
-    run_label,
-    short_time,
-    value_text,
-)
-from studies.results.rows import Row
+from studies.report.tables import MISSING, TIP_FORCE, Table, count, run_label, short_time, value_text
+from studies.results.rows import Row, difference_percent
+from studies.results.runs import Run
 
 REFERENCE_RING: Final = "ring-pla"
 

@@ -27,7 +27,7 @@ import click
 from mpi4py import MPI
 
 from studies import launch
-from studies.models.runs import run_axisymmetric
+from studies.models.axisymmetric import run_axisymmetric
 from studies.peers import environment
 from studies.peers.exchange import Cells, Level, write_peer_mesh
 from studies.peers.fronts import Point, floored, lasting, ratio_at_equal_error, ratio_to_fastest

@@ -14,16 +14,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from meshes.cells import CellKind
-from meshes.meridian import default_resolution, meridian_mesh
-from studies.planning.levels import BodyLevel, body_level, fineness
+from meshes.meridian import meridian_mesh
+from studies.planning.levels import BODY_MERIDIANS, MERIDIANS, BodyLevel, Model, body_level, fineness
 from studies.scene.bellows import BellowsScene, in_hexahedra, shape_of
 from studies.scene.materials import law_of
+from studies.scene.meshes import cell_kind, scene_resolution
 
 Cells = Literal["hex", "tet"]
-Model = Literal["axisymmetric", "sector", "full3d"]
-# Meridian levels the model knows, coarsest first.
-LEVELS = (1, 2, 4)
 # The training set has no more convolutions than this.
 LONGEST = 3
 # Errors are not told apart below this, percent: so much do bonds, steps and the reference's extrapolation leave.
@@ -153,7 +150,7 @@ def features(scene: BellowsScene) -> tuple[float, ...]:
         math.log(g.fillet_mm / g.wall_mm),
         math.log((g.crest_radius_mm - g.root_radius_mm) / g.wall_mm),
         math.log(scene.load.pressure_kpa[-1] * g.crest_radius_mm / (mu_kpa * g.wall_mm)),
-        math.log(default_resolution(shape_of(scene), 1, _kind(scene)).through),
+        math.log(scene_resolution(scene, 1).through),
         math.log(min(g.convolutions, LONGEST)),
         float(scene.material.law == "ogden"),
     )
@@ -163,7 +160,7 @@ def meridian_error_percent(scene: BellowsScene, level: int) -> float:
     """Predicted error that a meridian leaves at the tip, percent: the largest over the requested pressures."""
     fit = FITS[cells_of(scene)]
     power = sum(s * (x - c) for s, x, c in zip(fit.slopes, features(scene), fit.centre, strict=True))
-    return max(FLOOR_PERCENT, math.exp(fit.constants[LEVELS.index(level)] + power))
+    return max(FLOOR_PERCENT, math.exp(fit.constants[MERIDIANS.index(level)] + power))
 
 
 def predicted_error_percent(scene: BellowsScene, model: Model, level: str) -> float:
@@ -174,7 +171,7 @@ def predicted_error_percent(scene: BellowsScene, model: Model, level: str) -> fl
     scene
         A bellows.
     model, level
-        For instance ``axisymmetric`` and ``r2``, ``full3d`` and ``n8r2``; meridians of `LEVELS` only.
+        For instance ``axisymmetric`` and ``r2``, ``full3d`` and ``n8r2``; meridians of `MERIDIANS` only.
     """
     if model == "axisymmetric":
         return meridian_error_percent(scene, fineness(level))
@@ -193,7 +190,7 @@ def checked_error_percent(cells: Cells, level: int, value_mm: Sequence[float], o
         Tips at the requested pressures on this level, and on the one before; of the first level, on the second. NaN
         where one was not reached.
     """
-    ratio = FITS[cells].ratios[LEVELS.index(level)]
+    ratio = FITS[cells].ratios[MERIDIANS.index(level)]
     pairs = [(v, o) for v, o in zip(value_mm, other_mm, strict=True) if math.isfinite(v) and math.isfinite(o) and v]
     return max([FLOOR_PERCENT, *(100.0 * ratio * abs((v - o) / v) for v, o in pairs)])
 
@@ -202,9 +199,8 @@ def predicted_unknowns(scene: BellowsScene, model: Model, level: str) -> float:
     """How many unknowns a run has, to some percent; meshed rings and what meets on the axis are not counted apart."""
     body = None if model == "axisymmetric" else body_level(level)
     refinement = fineness(level) if body is None else body.meridian
-    shape, kind = shape_of(scene), _kind(scene)
-    resolution = default_resolution(shape, 1, kind)
-    cells = len(meridian_mesh(shape, resolution, None, kind).cells) // (1 if kind == "quadrilaterals" else 2)
+    kind, resolution = cell_kind(scene), scene_resolution(scene, 1)
+    cells = len(meridian_mesh(shape_of(scene), resolution, None, kind).cells) // (1 if kind == "quadrilaterals" else 2)
     through, along = resolution.through * refinement, cells // resolution.through * refinement
     around = 0.5 if body is None else body.around / (4 if model == "sector" else 1)
     displacements = (2 if body is None else 3) * (2 * through + 1) * (2 * along + 1) * 2.0 * around
@@ -235,9 +231,9 @@ def around_for(scene: BellowsScene, model: str) -> int:
 def candidates(scene: BellowsScene, model: Model) -> list[str]:
     """Levels of a model that may be chosen, coarsest first."""
     if model == "axisymmetric":
-        return [f"r{level}" for level in LEVELS]
+        return [f"r{level}" for level in MERIDIANS]
     around = around_for(scene, model)
-    return [BodyLevel(around, meridian).name for meridian in LEVELS[:2]]  # bodies on r4 do not fit 24 GB
+    return [BodyLevel(around, meridian).name for meridian in BODY_MERIDIANS]
 
 
 def choose(scene: BellowsScene, model: Model) -> Choice:
@@ -257,7 +253,7 @@ def choose(scene: BellowsScene, model: Model) -> Choice:
 
 def meridians_for(choice: Choice) -> tuple[int, int]:
     """Meridian levels to solve: the chosen one's, and the one that checks it."""
-    return (1, 2) if own_meridian(choice) < LEVELS[-1] else (LEVELS[-2], LEVELS[-1])
+    return (1, 2) if own_meridian(choice) < MERIDIANS[-1] else (MERIDIANS[-2], MERIDIANS[-1])
 
 
 def own_meridian(choice: Choice) -> int:
@@ -282,7 +278,7 @@ def explain(scene: BellowsScene, choice: Choice) -> list[str]:
         f"checked afterwards by axisymmetric {beside} of this scene (about {_time(seconds)}); finer meshes follow only "
         "if the check fails"
     )
-    left: list[tuple[Model, str]] = [("axisymmetric", f"r{m}") for m in LEVELS if m not in solved]
+    left: list[tuple[Model, str]] = [("axisymmetric", f"r{m}") for m in MERIDIANS if m not in solved]
     left += [(choice.model, level) for level in candidates(scene, choice.model) if choice.model != "axisymmetric"]
     left += [("full3d", choose(scene, "full3d").level)] if choice.model == "axisymmetric" else []
     for model, level in left:
@@ -295,7 +291,3 @@ def explain(scene: BellowsScene, choice: Choice) -> list[str]:
 
 def _time(seconds: float) -> str:
     return f"{seconds:.1f} s" if seconds < 120.0 else f"{seconds / 60.0:.1f} min"
-
-
-def _kind(scene: BellowsScene) -> CellKind:
-    return "quadrilaterals" if in_hexahedra(scene) else "triangles"

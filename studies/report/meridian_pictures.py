@@ -18,14 +18,14 @@ from matplotlib.ticker import MultipleLocator
 from meshes.gaps import outlines
 from meshes.solid import REGIONS, FloatArray, IntArray
 from solvers.output import pressure_at_nodes
-from studies.models.build import scene_meridian
-from studies.models.run_log import Run
 from studies.planning.levels import fineness
 from studies.report.pictures import RingBox
 from studies.report.plots import figure_file
 from studies.results.measures import find_places, largest_stretches
+from studies.results.runs import Run
 from studies.results.states import load_state
 from studies.scene.bellows import BellowsScene, shape_of
+from studies.scene.meshes import scene_meridian
 
 _WIDTH_IN: Final = 8.2
 _TICK_POINTS: Final = 8.0

@@ -8,15 +8,15 @@ from pathlib import Path
 import numpy as np
 
 from meshes.bellows import FloatArray
-from studies.models.run_log import field_files
 from studies.models.session import SCENE_FILE, read_scene_folder
 from studies.report.pictures import RingBox
 from studies.report.scenes import SceneReport, write_report
 from studies.results import provenance
-from studies.results.compare import validity_notes
+from studies.results.closed_form_rows import validity_notes
 from studies.results.files import PathRow
-from studies.results.states import load_state
+from studies.results.states import field_files, load_state
 from studies.scene.bellows import BellowsScene, shape_of
+from studies.scene.files import load_bellows
 
 
 def ring_boxes(
@@ -46,8 +46,8 @@ def render(folder: Path, title: str, introduction: str, scene_folders: Sequence[
     reports = []
     total = 0.0
     for scene_folder in scene_folders:
-        result = read_scene_folder(scene_folder)
-        runs = [*result.axisymmetric, *result.sector, *result.full3d]
+        result = read_scene_folder(load_bellows(scene_folder / SCENE_FILE), scene_folder)
+        runs = result.runs
         total += sum(run.summary.time_s["total"] for run in runs)
         paths: dict[str, list[PathRow]] = {f"{run.summary.model} {run.summary.level}": list(run.path) for run in runs}
         fields: dict[float, Path] = {}

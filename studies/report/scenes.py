@@ -17,7 +17,7 @@ from studies.report.pictures import RingBox, Still, draw_states
 from studies.report.plots import Curve, draw_elongation, draw_overview, draw_times
 from studies.report.tables import REFERENCES, TIP, TIP_FORCE, anchor_of, headline, model_label, run_label
 from studies.results.files import PATH_FILE, PathRow, RunSummary, write_path
-from studies.results.rows import Row, is_reached, write_rows
+from studies.results.rows import Row, difference_percent, is_reached, write_rows
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ def verdict(scene: SceneReport) -> str:
     ]
     if not pairs:
         return "no pressure that both axisymmetric and full 3D reached"
-    largest = max(abs(tables.difference_percent(one.value, other.value)) for one, other in pairs)
+    largest = max(abs(difference_percent(one.value, other.value)) for one, other in pairs)
     text = f"axisymmetric within {tables.rounded_up(largest, 2):g} % of full 3D"
     if len(pairs) < len(scene.pressures_kpa):
         text += f" at {len(pairs)} of {len(scene.pressures_kpa)} pressures"

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from studies.planning.levels import ranking
 from studies.results.files import PathRow, RunSummary
-from studies.results.rows import REACHED, Row, is_reached
+from studies.results.rows import REACHED, Row, difference_percent, is_reached
 
 if TYPE_CHECKING:
     from studies.report.scenes import SceneReport
@@ -406,11 +406,6 @@ def _generic(row: Row) -> str:
     if math.isfinite(row.error_percent):
         text += f" ({signed(row.error_percent)} % from {row.reference:g})"
     return text
-
-
-def difference_percent(value: float, reference: float) -> float:
-    """Difference of a value from its reference, in percent of the reference's size."""
-    return 100.0 * (value - reference) / abs(reference)
 
 
 def signed(percent: float) -> str:

@@ -72,8 +72,13 @@ def row(
     status: str = REACHED,
 ) -> Row:
     """Make a row and fill in its error in percent."""
-    error = 100.0 * (value - reference) / abs(reference) if reference else math.nan
+    error = difference_percent(value, reference) if reference else math.nan
     return Row(scene, quantity, unit, pressure_kpa, model, level, value, uncertainty, reference, source, error, status)
+
+
+def difference_percent(value: float, reference: float) -> float:
+    """Difference of a value from its reference, in percent of the reference's size."""
+    return 100.0 * (value - reference) / abs(reference)
 
 
 def is_reached(entry: Row) -> bool:

@@ -25,6 +25,10 @@ RING_ERROR_PERCENT = {"pla": 0.005, "polyethylene": 0.04}
 RING_SHARE = 0.1
 
 
+# What may be requested of a tip.
+TipQuantity = Literal["tip_mm", "tip_force_n"]
+
+
 class Geometry(Section):
     """The bellows, mm; radii are cavity-side, the wall is measured normal to itself."""
 
@@ -99,7 +103,7 @@ class Contact(Section):
 class Ask(Section):
     """What is wanted, how exactly, whether fields are to be written, and unstable modes counted by harmonic."""
 
-    quantities: list[Literal["tip_mm", "tip_force_n"]] = ["tip_mm"]
+    quantities: list[TipQuantity] = ["tip_mm"]
     tolerance_percent: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0
     fields: bool = False
     modes: bool = True
@@ -125,6 +129,21 @@ class BellowsScene(Section):
         allowed = RING_SHARE * self.ask.tolerance_percent
         model = "rigid" if RING_ERROR_PERCENT[self.rings.material] <= allowed else "meshed"
         return self.model_copy(update={"rings": self.rings.model_copy(update={"model": model})})
+
+    @property
+    def main_quantity(self) -> TipQuantity:
+        """What the finite elements have to find: the force at a blocked tip, else its elongation."""
+        return "tip_force_n" if self.blocked else "tip_mm"
+
+    @property
+    def quantities(self) -> tuple[TipQuantity, ...]:
+        """What is requested, the main quantity in any case."""
+        return tuple(dict.fromkeys((self.main_quantity, *self.ask.quantities)))
+
+    @property
+    def loads_kpa(self) -> tuple[float, ...]:
+        """Requested pressures, kPa."""
+        return tuple(self.load.pressure_kpa)
 
     @property
     def pressures_mpa(self) -> tuple[float, ...]:

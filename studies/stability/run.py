@@ -35,13 +35,15 @@ from solvers.paths.path import follow_path
 from solvers.paths.records import PathSettings
 from solvers.problem import SOFT, STIFF, Problem, Surfaces
 from solvers.state import State, combine, pressure_at_corners
-from studies.models.build import Tip, scene_meridian, scene_problem
+from studies.models.build import scene_problem
+from studies.models.tip import Tip
 from studies.results import provenance
-from studies.results.compare import MERIDIAN_ORDER
+from studies.results.runs import MERIDIAN_ORDER
 from studies.results.uncertainty import convergence, from_two
 from studies.scene.bellows import BellowsScene, shape_of
 from studies.scene.files import load_bellows
 from studies.scene.materials import inverse_kappa, law_of
+from studies.scene.meshes import scene_meridian
 from studies.scene.sections import SceneError
 from studies.stability import controls as stability_controls
 from studies.stability import exact as stability_exact

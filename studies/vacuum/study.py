@@ -16,14 +16,14 @@ import numpy as np
 from mpi4py import MPI
 
 from studies.contact.study import at
+from studies.models.axisymmetric import run_axisymmetric
 from studies.models.contact import CONTACT_FILE, MODELLED, read_reports
-from studies.models.run_log import Run
-from studies.models.runs import run_axisymmetric
 from studies.progress import Progress
 from studies.report.pages import write_page
 from studies.report.tables import Table
 from studies.results import provenance
 from studies.results.rows import REACHED, Row, row, write_rows
+from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene
 from studies.scene.files import load_bellows
 from studies.vacuum.plots import draw_contractions, draw_shapes

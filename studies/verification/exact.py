@@ -9,15 +9,14 @@ from typing import Any, Final
 
 import numpy as np
 
-from studies.models.body_session import OF_PATHS
 from studies.models.session import ROWS_FILE, SCENE_FILE
-from studies.planning.levels import fineness
-from studies.planning.plan import MODELS
+from studies.planning.levels import MODELS, fineness
 from studies.report import tables
 from studies.report.pages import duration, write_page
 from studies.report.scenes import SceneReport
 from studies.report.tables import MISSING, Table, rounded_up, run_label
 from studies.results import provenance
+from studies.results.body_rows import OF_PATHS
 from studies.results.exact_answers import exact_bore_mm, exact_crossing_kpa
 from studies.results.files import SUMMARY_FILE, read_path, read_summary
 from studies.results.rows import Row, read_rows, write_rows

@@ -15,8 +15,7 @@ from typing import Final
 
 from mpi4py import MPI
 
-from studies.models.body_session import ExactResult, run_all_models
-from studies.models.session import ROWS_FILE, SCENE_FILE
+from studies.models.session import ROWS_FILE, SCENE_FILE, SceneResult, run_all_models
 from studies.planning.levels import fineness
 from studies.progress import Progress
 from studies.results.rows import Row, row, write_rows
@@ -101,7 +100,7 @@ def run_verification(
     return found
 
 
-def gather(results: Sequence[ExactResult]) -> Verification:
+def gather(results: Sequence[SceneResult[BodyScene]]) -> Verification:
     """The table of finished scenes."""
     lines: list[Line] = []
     stopped = []

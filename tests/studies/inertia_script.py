@@ -12,8 +12,9 @@ from pathlib import Path
 from mpi4py import MPI
 
 from solvers.linear.factor import Factor
-from studies.models.build import scene_body, scene_meridian, scene_problem
+from studies.models.build import scene_problem
 from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_body, scene_meridian
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -8,14 +8,14 @@ import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from studies.models.run_log import Run
 from studies.models.session import SceneResult
 from studies.paper.cases import Case, audit_cases, cases
 from studies.paper.results import CaseResult, PaperResults
 from studies.paper.study import SCENES, case_text
-from studies.results.compare import scene_rows
+from studies.results.bellows_rows import bellows_rows
 from studies.results.files import PathRow, RunSummary
 from studies.results.rows import REACHED, Row, row
+from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene
 from studies.scene.files import load_bellows
 
@@ -115,13 +115,13 @@ def make_case(
     tip = tip or usual_tip(scene)
     flat = [make_run(scene, "axisymmetric", level, tip, stop_kpa, iterations) for level in levels]
     solid = [make_run(scene, "full3d", level, tip, stop_kpa, iterations) for level in bodies]
-    rows = scene_rows(scene, flat, (), solid)
+    rows = bellows_rows(scene, [*flat, *solid])
     found = [
         row(scene.name, quantity, "1", p, "axisymmetric", value(p), "r4", 0.001)
         for quantity, value in (measured or {}).items()
         for p in scene.load.pressure_kpa
     ]
-    result = SceneResult(scene, tuple(flat), (), tuple(solid), tuple(rows))
+    result = SceneResult(scene, (*flat, *solid), tuple(rows))
     return CaseResult(case, Path("nowhere", case.place), result, (*found, *extra))
 
 

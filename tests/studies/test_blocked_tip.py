@@ -10,8 +10,8 @@ from click.testing import CliRunner
 
 from analytical.bellows_loads import held_tip
 from studies.__main__ import main
-from studies.models.runs import run_hash
-from studies.planning.plan import describe, make_plan
+from studies.models.run_log import run_hash
+from studies.planning.planner import describe, make_plan
 from studies.results.files import read_path, read_summary
 from studies.results.rows import read_rows
 from studies.scene.bellows import dimensions_of

@@ -13,9 +13,9 @@ from solvers.state import State
 from studies.branches import study as branch_study
 from studies.branches.cases import SQUIRM_SCENE, in_plane, mirrored
 from studies.branches.study import read_case, run_study, write_report
-from studies.models.build import scene_body, scene_meridian
 from studies.results.rows import read_rows
 from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_body, scene_meridian
 
 
 @pytest.fixture(scope="module")

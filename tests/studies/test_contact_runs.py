@@ -12,13 +12,16 @@ from mpi4py import MPI
 import studies.models.contact
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.linear.factor import Factor
-from studies.models.build import Tip, scene_meridian, scene_problem
+from studies.models.axisymmetric import run_axisymmetric
+from studies.models.build import scene_problem
 from studies.models.contact import CONTACT_FILE, LIMIT, MODELLED, read_reports, scene_contact
-from studies.models.run_log import CONTACT, Log, Run
-from studies.models.runs import run_axisymmetric
+from studies.models.run_log import CONTACT, Log
+from studies.models.tip import Tip
 from studies.progress import Progress
+from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene, Contact
 from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_meridian
 
 WALL_MM = 2.0
 

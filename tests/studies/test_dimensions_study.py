@@ -21,11 +21,12 @@ from analytical.paper import FAMILIES, PRINTED, REFERENCE_FAMILY, actuators
 from studies.dimensions.fit import DimensionStudy, pick_sets, quantities
 from studies.dimensions.scenes import buildable, scene_of, standard_fittings, write_scenes
 from studies.dimensions.study import write_study
-from studies.models.build import masses_g, scene_meridian
+from studies.models.build import masses_g
 from studies.results.rows import read_rows
 from studies.scene.bellows import dimensions_of
 from studies.scene.files import load_bellows
 from studies.scene.materials import STABLE_STRETCH, law_of
+from studies.scene.meshes import scene_meridian
 
 TWELVE = [actuator for family in FAMILIES for actuator in actuators(family)]
 every_actuator = pytest.mark.parametrize("actuator", TWELVE, ids=[actuator.name for actuator in TWELVE])

@@ -10,7 +10,8 @@ from mpi4py import MPI
 
 from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
-from studies.models import runs
+from studies.models import full3d
+from studies.models.axisymmetric import run_axisymmetric
 from studies.planning.levels import BodyLevel
 from studies.progress import Progress
 from studies.scene.bellows import BellowsScene
@@ -37,22 +38,22 @@ def _written(path: Path, text: str) -> Path:
 
 def test_where_factors_do_not_fit_the_body_is_solved_iteratively(small, tmp_path, monkeypatch) -> None:
     comm, progress = MPI.COMM_SELF, Progress(MPI.COMM_SELF)
-    runs.run_axisymmetric(small, 1, tmp_path / "flat", comm, progress)
+    run_axisymmetric(small, 1, tmp_path / "flat", comm, progress)
     level = BodyLevel(6)
 
-    def body(name: str) -> runs.Run:
-        return runs.run_body(small, "full3d", level, tmp_path / "flat", tmp_path / name, comm, progress, ())
+    def body(name: str) -> full3d.Run:
+        return full3d.run_full3d(small, "full3d", level, tmp_path / "flat", tmp_path / name, comm, progress, ())
 
     whole = body("direct")
-    monkeypatch.setattr(runs, "Factor", _NoFactor)
+    monkeypatch.setattr(full3d, "Factor", _NoFactor)
     found = body("auto")
     assert found.summary.status == "reached"
     assert found.path[-1].tip_mm == pytest.approx(whole.path[-1].tip_mm, rel=1e-6)
     assert [row.unstable_modes for row in whole.path] == [0.0]
     assert math.isnan(found.path[-1].unstable_modes)
     assert any("solved iteratively from there" in note for note in found.summary.plan)
-    assert runs.NOT_COUNTED in found.summary.plan
-    assert runs.NOT_COUNTED not in whole.summary.plan
+    assert full3d.NOT_COUNTED in found.summary.plan
+    assert full3d.NOT_COUNTED not in whole.summary.plan
 
 
 class _NoFactor(Factor):

@@ -15,9 +15,10 @@ from analytical.bellows_loads import held_tip
 from analytical.chains import closed_form
 from meshes.bellows import BellowsShape, wall_segments
 from solvers.state import State
-from studies.models.runs import run_axisymmetric
+from studies.models.axisymmetric import run_axisymmetric
 from studies.progress import Progress
 from studies.results.files import PathRow
+from studies.results.measured_rows import measured_rows, model_values, unfolding_pressure
 from studies.results.measures import (
     NEAR_EDGE_MM,
     Places,
@@ -26,9 +27,6 @@ from studies.results.measures import (
     largest_stretches,
     mean_along,
     measure,
-    measured_rows,
-    model_values,
-    unfolding_pressure,
 )
 from studies.results.rows import Row
 from studies.results.states import save_state

@@ -16,7 +16,6 @@ from matplotlib.patches import Rectangle
 
 from meshes.solid import REGIONS
 from solvers.state import State
-from studies.models.build import scene_meridian
 from studies.report import meridian_pictures
 from studies.report.meridian_pictures import RootPanel, draw_root_fields, root_panel
 from studies.report.pictures import RingBox, Still, draw_side_by_side
@@ -25,6 +24,7 @@ from studies.results.files import PathRow
 from studies.results.states import save_state
 from studies.scene.bellows import BellowsScene, shape_of
 from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_meridian
 
 STRETCH, WIDENING, PRESSURE_MPA = 1.5, 1.1, 0.03
 

@@ -8,7 +8,8 @@ import pytest
 from click.testing import CliRunner
 
 from studies.__main__ import main
-from studies.planning.plan import around_for, describe, make_plan
+from studies.planning.error_model import around_for
+from studies.planning.planner import describe, make_plan
 from studies.results.files import read_path, read_summary
 from studies.scene.bellows import in_hexahedra
 from studies.scene.files import load_bellows

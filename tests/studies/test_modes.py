@@ -15,9 +15,9 @@ from meshes.sweep import revolve_hexahedra
 from solvers.stability.harmonics import Shape
 from studies.__main__ import main
 from studies.models import modes as modes_run
+from studies.models.axisymmetric import run_axisymmetric
 from studies.models.farm import run_sweep
 from studies.models.modes import WARNING, counts_of, read_crossings, read_shape
-from studies.models.runs import run_axisymmetric
 from studies.modes.full3d import on_full_circle
 from studies.modes.pictures import revolved_mode
 from studies.progress import Progress

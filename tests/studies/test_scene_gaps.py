@@ -9,11 +9,11 @@ import pytest
 
 from meshes.solid import SolidMesh
 from solvers.state import State
-from studies.models.build import scene_body, scene_meridian
 from studies.models.gaps import GapMeter
 from studies.models.run_log import CONTACT, ending
 from studies.scene.bellows import BellowsScene
 from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_body, scene_meridian
 
 
 @pytest.fixture(scope="module")
