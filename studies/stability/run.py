@@ -38,11 +38,15 @@ from solvers.paths.path import follow_path
 from solvers.paths.records import PathSettings
 from solvers.problem import Problem
 from solvers.state import State, combine, pressure_at_corners
-from studies.models.build import Tip, scene_meridian, scene_problem
+from studies.models.build import scene_problem
+from studies.models.tip import Tip
 from studies.results import provenance
-from studies.results.compare import MERIDIAN_ORDER
+from studies.results.runs import MERIDIAN_ORDER
 from studies.results.uncertainty import convergence, from_two
-from studies.scene.bellows import Scene, inverse_kappa, law_of, load_scene, shape_of
+from studies.scene.bellows import BellowsScene, shape_of
+from studies.scene.files import load_bellows
+from studies.scene.materials import inverse_kappa, law_of
+from studies.scene.meshes import scene_meridian
 from studies.scene.sections import SceneError
 from studies.stability import controls as stability_controls
 from studies.stability import exact as stability_exact
@@ -423,7 +427,7 @@ def _round_mesh(body: Round) -> SolidMesh:
     return shaken(mesh, body.noise, body.seed) if body.noise else mesh
 
 
-def scene_of(body: Bellows, load_kpa: float) -> Scene:
+def scene_of(body: Bellows, load_kpa: float) -> BellowsScene:
     """The scene of a bellows, through the same checks as a user's file.
 
     Raises
@@ -440,12 +444,12 @@ def scene_of(body: Bellows, load_kpa: float) -> Scene:
         path = Path(folder, "scene.toml")
         path.write_text(tomlkit.dumps(document), encoding="utf-8")
         try:
-            return load_scene(path)
+            return load_bellows(path)
         except SceneError as error:
             raise SceneError(str(error).replace(f"{path}: ", "")) from None
 
 
-def _bellows_mesh(scene: Scene, body: Bellows) -> SolidMesh:
+def _bellows_mesh(scene: BellowsScene, body: Bellows) -> SolidMesh:
     if body.cell_mm is None and body.through is None:
         mesh = scene_meridian(scene, body.level)
     else:
@@ -456,7 +460,7 @@ def _bellows_mesh(scene: Scene, body: Bellows) -> SolidMesh:
     return shaken(mesh, body.noise, body.seed) if body.noise else mesh
 
 
-def _bellows_problem(scene: Scene, body: Bellows, mesh: SolidMesh, comm: MPI.Comm, flaw: Flaw = "") -> Problem:
+def _bellows_problem(scene: BellowsScene, body: Bellows, mesh: SolidMesh, comm: MPI.Comm, flaw: Flaw = "") -> Problem:
     """Of the scene; of meshed rings with another modulus; or of a control, without rings."""
     if body.contrast is None and not flaw:
         return scene_problem(scene, mesh if comm.rank == 0 else None, comm)
