@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 import studies.__main__
+import studies.command.unconverted
 import studies.dimensions.study
 from analytical.bellows.chains import closed_form
 from analytical.bellows.fit.masses import mass_allowed, rings_g, silicone_g
@@ -134,7 +135,7 @@ def test_predictions_against_single_actuators() -> None:
 def test_scenes_are_written_only_if_the_record_holds(as_recorded, tmp_path, monkeypatch) -> None:
     picks = SimpleNamespace(as_recorded=as_recorded, families=FAMILIES)
     monkeypatch.setattr(studies.dimensions.study, "write_study", lambda out: SimpleNamespace(picks=picks))
-    monkeypatch.setattr(studies.__main__.provenance, "ROOT", tmp_path)
+    monkeypatch.setattr(studies.command.unconverted.provenance, "ROOT", tmp_path)
     asked = ["dimensions", "--out", str(tmp_path / "out"), "--write-scenes"]
     result = CliRunner().invoke(studies.__main__.main, asked)
     assert result.exit_code == (0 if as_recorded else 3)
