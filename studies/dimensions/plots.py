@@ -20,7 +20,7 @@ from meshes.bellows import BellowsShape, cap_band, corner_band, wall_segments
 from studies.dimensions.fit import ACTUATORS, DimensionStudy, Prediction
 from studies.dimensions.scenes import scene_of
 from studies.dimensions.tables import SET_NAMES
-from studies.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, figure_file
+from studies.report.style import BELOW, BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, figure_file
 from studies.scene.bellows import shape_of
 
 # Of the picked sets: told apart by shape as well as by colour.
@@ -31,7 +31,6 @@ _PICKS: Final[tuple[dict[str, Any], ...]] = (
 )
 _ALL: Final = "#8c8c8c"
 _ALSO_WITH_RINGS: Final = "#303030"
-_GRID: Final[dict[str, Any]] = {"color": "#e4e4e4", "zorder": 0}
 _BODY: Final = {"dragon-skin-10": SKY, "dragon-skin-30": ORANGE}
 # Hollow, so that none hides another.
 _PRINTED: Final[dict[str, dict[str, Any]]] = {
@@ -88,13 +87,12 @@ def draw_members(path: Path, study: DimensionStudy) -> None:
                 for k in np.flatnonzero(np.all(study.picks.sets.silicone == silicone, axis=1)):
                     x, y = study.picks.sets.crest_radius_mm[k], getattr(study.picks.sets, name)[k]
                     axes.plot(x, y, zorder=4, markeredgecolor="white", markeredgewidth=1.2, **_PICKS[k])
-                axes.grid(**_GRID)
-                axes.set_axisbelow(True)
+                grid(axes)
             column[-1].set_xlabel("$R_p$, mm")
         for axes, (_, label) in zip(grid[:, 0], planes, strict=True):
             axes.set_ylabel(label)
         figure.colorbar(ScalarMappable(scale, "viridis"), ax=grid, label="worst error, %", shrink=0.5, pad=0.02)
-        figure.legend(handles=_pick_handles(), loc="outside lower center", ncols=3, frameon=False)
+        figure.legend(handles=_pick_handles(), ncols=3, **BELOW)
 
 
 def draw_spread(path: Path, study: DimensionStudy, predicted: Sequence[Prediction]) -> None:
@@ -131,8 +129,7 @@ def draw_spread(path: Path, study: DimensionStudy, predicted: Sequence[Predictio
             if q.name in _LOGARITHMIC:
                 axes.set_xscale("log")
                 _label_decades(axes, prediction.members)
-            axes.grid(axis="x", **_GRID)
-            axes.set_axisbelow(True)
+            grid(axes, axis="x")
         for axes in grid.ravel()[len(predicted) :]:
             axes.set_visible(False)
         grid[0, 0].set_yticks(range(len(ACTUATORS)), [_with_math(name) for name in ACTUATORS])
@@ -141,7 +138,7 @@ def draw_spread(path: Path, study: DimensionStudy, predicted: Sequence[Predictio
             Line2D([], [], linestyle="none", marker="o", markersize=5.0, color=colour, label=label)
             for colour, label in ((_ALSO_WITH_RINGS, "fits, mass allowed with rings too"), (_ALL, "fits, without"))
         ]
-        figure.legend(handles=[*_pick_handles(), *dots], loc="outside lower center", ncols=5, frameon=False)
+        figure.legend(handles=[*_pick_handles(), *dots], ncols=5, **BELOW)
 
 
 def draw_paths(path: Path, study: DimensionStudy) -> None:
@@ -164,8 +161,7 @@ def draw_paths(path: Path, study: DimensionStudy) -> None:
             axes.set_xlabel("cavity pressure, kPa")
             axes.set_xlim(0.0, PRINTED_PRESSURE_KPA)
             axes.set_ylim(bottom=0.0)
-            axes.grid(**_GRID)
-            axes.set_axisbelow(True)
+            grid(axes)
         grid[0].set_ylabel("elongation, corrected chain, mm")
         handles: list[Any] = [
             Line2D([], [], color=style["color"], linestyle=dashes, label=name)
@@ -176,7 +172,7 @@ def draw_paths(path: Path, study: DimensionStudy) -> None:
             Patch(color="#b0b0b0", label="mass allowed with rings too"),
         ]
         handles += [Line2D([], [], linestyle="none", label=label, **style) for label, style in _PRINTED.items()]
-        figure.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False)
+        figure.legend(handles=handles, ncols=4, **BELOW)
 
 
 def draw_outlines(path: Path, study: DimensionStudy) -> None:
@@ -200,9 +196,8 @@ def draw_outlines(path: Path, study: DimensionStudy) -> None:
         ]
         figure.legend(
             handles=[*handles, Patch(color="#777777", label="rings")],
-            loc="outside lower center",
             ncols=3,
-            frameon=False,
+            **BELOW,
         )
 
 
