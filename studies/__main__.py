@@ -356,56 +356,6 @@ def verification_command(out: Path, reuse: Path | None) -> None:
     sys.exit(STOPPED if found.stopped else 0)
 
 
-@main.command("closed-form")
-@OUT_OPTION
-def closed_form(out: Path) -> None:
-    """Write the report of the closed form: chains, corrections, validity, material laws, exact solutions."""
-    from studies.closed_form import study as closed_form_study
-
-    _writable(out)
-    if MPI.COMM_WORLD.rank == 0:
-        click.echo(f"report: {closed_form_study.write_study(out)}")
-
-
-@main.command("dimensions")
-@OUT_OPTION
-@click.option("--write-scenes", is_flag=True, help="Also write the scenes of the three sets into scenes/.")
-def dimensions_command(out: Path, write_scenes: bool) -> None:
-    """Find the dimensions that meet the paper's closed-form numbers and pick three sets of them.
-
-    The exit code is 3 if the picks are not those that analytical/bellows/paper.py records; scenes/ is then left alone.
-    """
-    from studies.dimensions import scenes as dimension_scenes
-    from studies.dimensions import study as dimensions
-
-    _writable(out)
-    if MPI.COMM_WORLD.rank != 0:
-        return
-    picks = dimensions.write_study(out).picks
-    click.echo(f"report: {out / 'report.html'}")
-    if not picks.as_recorded:
-        click.echo(
-            f"analytical/bellows/paper.py: FAMILIES is not what the rule picks, {picks.families}: edit it", err=True
-        )
-        sys.exit(STOPPED)
-    if write_scenes:
-        for path in dimension_scenes.write_scenes(provenance.ROOT / "scenes", picks.families):
-            click.echo(f"scene: {path}")
-
-
-@main.command("benchmark-closed-form")
-@OUT_OPTION
-def benchmark_closed_form(out: Path) -> None:
-    """Measure the closed form's evaluations per second on one core, and their error."""
-    from studies.closed_form import benchmark
-    from studies.report.tables import as_text
-
-    _writable(out)
-    if MPI.COMM_WORLD.rank == 0:
-        found = benchmark.run(out)
-        click.echo(f"{benchmark.setting()}\n{as_text(found)}\nrows: {out / 'rows.csv'}")
-
-
 @main.command("benchmark-solver")
 @OUT_OPTION
 def benchmark_solver(out: Path) -> None:

@@ -1,65 +1,73 @@
-"""Plots of the closed-form study, drawn from plain numbers and written as PNG."""
+"""Pictures of the closed-form study: chains over the pressure, maps of changes, stress of the silicones."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-import matplotlib
 import numpy as np
-from matplotlib.colors import BoundaryNorm
-from matplotlib.lines import Line2D
-from matplotlib.patheffects import withStroke
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.text import Text
 
 from analytical.arrays import FloatArray
-from studies.report.style import BLUE, GREEN, VERMILION, figure_file
+from analytical.bellows.chains import ClosedFormPath
+from analytical.bellows.paper import PRINTED_PRESSURE_KPA, PaperActuator
+from studies.closed_form.chains import CHAINS, CUTS, PRESSURES_KPA, path_of, printed_mm
+from studies.report.curves import Curve, draw_elongation
+from studies.report.labels import model_label
+from studies.report.maps import DIFFERENCES, Panel, difference_text, draw_panels, steps, unfolding_entry
+from studies.report.style import ABOVE, BLUE, GREEN, HALO, VERMILION, figure_file, grid
 
-# Percent at which the colour changes: orange against purple, told apart by colour-blind readers, white below 5 %.
+# Past the printed range, 20 kPa, to show what follows.
+_PLOT_KPA: Final = tuple(np.linspace(0.0, 25.0, 251))
+# Percent at which the colour changes.
 _BOUNDS: Final = (-100.0, -50.0, -20.0, -10.0, -5.0, 5.0, 10.0, 20.0, 50.0, 100.0)
-_HALO: Final = [withStroke(linewidth=3.0, foreground="white")]
 # Labels nearer than this would overlap, pixels.
 _LABEL_ROOM: Final = 35.0
 _NO_STATE: Final = "#bdbdbd"
+_MATERIALS: Final[tuple[dict[str, Any], ...]] = (
+    {"color": BLUE, "linestyle": "-"},
+    {"color": GREEN, "linestyle": "--"},
+    {"color": VERMILION, "linestyle": "-."},
+)
 
 
-@dataclass(frozen=True, eq=False)
-class Panel:
-    """A map of a change in percent.
-
-    Attributes
-    ----------
-    title, x_label, y_label
-        Texts.
-    x, y
-        Coordinates, shapes (m,) and (k,).
-    percent
-        What is drawn, shape (k, m); NaN is grey.
-    unfolded
-        Positive where the bellows is fully unfolded, negative where it is folded; shape (k, m).
-    points
-        Places (x, y) to mark, by label.
-    lines
-        Values of x to mark, by label.
-    right_axis
-        Factor and label of a second y axis on the right; None for none.
-    """
-
-    title: str
-    x_label: str
-    y_label: str
-    x: FloatArray
-    y: FloatArray
-    percent: FloatArray
-    unfolded: FloatArray
-    points: Mapping[str, tuple[float, float]]
-    lines: Mapping[str, float]
-    right_axis: tuple[float, str] | None = None
+def draw_chains(path: Path, actuator: PaperActuator) -> None:
+    """Draw an actuator's elongation by every chain, by the balanced one at its other cuts too, and as printed."""
+    chains = [_curve(model, model_label(model), path_of(actuator, r, _PLOT_KPA)) for model, r in CHAINS.items()]
+    cuts = [
+        _curve(f"cut_{cut}", f"balanced, cut at the {cut}", path_of(actuator, reading, _PLOT_KPA))
+        for cut, reading in CUTS.items()
+        if cut != "mean"
+    ]
+    printed = [
+        Curve(model, model_label(model), (PRINTED_PRESSURE_KPA,), (value,))
+        for model, value in printed_mm(actuator).items()
+    ]
+    draw_elongation(path, [*chains, *cuts, *printed], (*PRESSURES_KPA, float(_PLOT_KPA[-1])))
 
 
-def draw_maps(path: Path, panels: Sequence[Sequence[Panel]], colour_label: str) -> None:
-    """Draw rows of maps with contour lines and one colour scale in percent.
+def _curve(model: str, label: str, path: ClosedFormPath) -> Curve:
+    """A path; a cross where the root reaches the crest, for the chains themselves."""
+    real = np.isfinite(path.elongation_mm)
+    pressures, tips = path.pressure_kpa[real], path.elongation_mm[real]
+    unfolding = float(path.unfolding_pressure_kpa[0])
+    marked = model in CHAINS and unfolding <= pressures[-1]
+    return Curve(
+        model=model,
+        label=label,
+        pressure_kpa=tuple(pressures),
+        tip_mm=tuple(tips),
+        markers=False,
+        stopped=f"fully unfolded, {unfolding:.1f} kPa" if marked else "",
+        stopped_at=(unfolding, float(np.interp(unfolding, pressures, tips))),
+    )
+
+
+def draw_maps(path: Path, panels: Sequence[Sequence[Panel]], label: str) -> None:
+    """Draw rows of maps with contour lines and one scale of colours in percent.
 
     Parameters
     ----------
@@ -67,81 +75,48 @@ def draw_maps(path: Path, panels: Sequence[Sequence[Panel]], colour_label: str) 
         The PNG to write.
     panels
         Rows of equal length.
-    colour_label
+    label
         What the colours mean, with its unit.
     """
-    width = len(panels[0])
-    with figure_file(path, 3.1 * width, 2.9 * len(panels) + 0.6) as figure:
-        # room for the y labels, which the layout puts a little beyond the edge otherwise
-        figure.set_layout_engine("constrained", w_pad=0.1)
-        grid = figure.subplots(len(panels), width, squeeze=False)
-        # a colour per interval and one for either end beyond
-        norm = BoundaryNorm(_BOUNDS, 256, extend="both")
-        drawn: Any = None
-        for axes, panel in zip(grid.ravel(), (panel for line in panels for panel in line), strict=True):
-            drawn = _draw_map(axes, panel, norm)
-        bar = figure.colorbar(drawn, ax=grid, location="bottom", aspect=50, shrink=0.7, ticks=_BOUNDS)
-        bar.ax.set_xticklabels([_signed(bound) for bound in _BOUNDS])
-        bar.set_label(colour_label)
-        unfolding = Line2D([], [], color=BLUE, linestyle="--", linewidth=1.6, label="fully unfolded from here on")
-        figure.legend(handles=[unfolding], loc="outside lower right", frameon=False)
+    draw_panels(path, panels, _draw_map, label, [unfolding_entry("fully unfolded from here on")], _BOUNDS)
 
 
-def _draw_map(axes: Any, panel: Panel, norm: BoundaryNorm) -> Any:
+def _draw_map(axes: Axes, panel: Panel) -> ScalarMappable:
     axes.set_facecolor(_NO_STATE)
-    percent = np.ma.masked_invalid(panel.percent)
-    drawn = axes.contourf(
-        panel.x, panel.y, percent, levels=_BOUNDS, cmap=matplotlib.colormaps["PuOr"], norm=norm, extend="both"
-    )
+    percent = np.ma.masked_invalid(panel.values)
+    look: dict[str, Any] = {"levels": _BOUNDS, "extend": "both"}
+    drawn = axes.contourf(panel.x, panel.y, percent, cmap=DIFFERENCES, norm=steps(_BOUNDS), **look)
     lines = axes.contour(panel.x, panel.y, percent, levels=_BOUNDS, colors="black", linewidths=0.7)
-    texts = axes.clabel(lines, inline=False, colors="black", fmt=_signed, fontsize=7)
+    texts = axes.clabel(lines, inline=False, colors="black", fmt=difference_text, fontsize=7)
     _thin_out(axes, texts, panel.points.values())
-    if np.any(panel.unfolded > 0.0) and np.any(panel.unfolded < 0.0):
-        begins = axes.contour(panel.x, panel.y, panel.unfolded, levels=[0.0], colors=BLUE, linestyles="--")
-        begins.set(linewidth=1.6, path_effects=_HALO)
-    for label, (x, y) in panel.points.items():
-        axes.plot(x, y, marker="o", color="black", markeredgecolor="white", markersize=7, zorder=5)
-        axes.annotate(
-            label, (x, y), xytext=(0, 7), textcoords="offset points", ha="center", fontsize=8, path_effects=_HALO
-        )
+    beside: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8, "path_effects": HALO}
+    upright: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "rotation": 90, "va": "top"}
+    for label, place in panel.points.items():
+        axes.plot(*place, marker="o", color="black", markeredgecolor="white", markersize=7, zorder=5)
+        axes.annotate(label, place, xytext=(0, 7), ha="center", **beside)
     for label, x in panel.lines.items():
         axes.axvline(x, color="black", linewidth=1.2, linestyle=":")
         axes.annotate(
-            label,
-            (x, 0.97),
-            xycoords=("data", "axes fraction"),
-            xytext=(3, 0),
-            textcoords="offset points",
-            rotation=90,
-            va="top",
-            fontsize=8,
-            path_effects=_HALO,
+            label, (x, 0.97), xycoords=("data", "axes fraction"), xytext=(3, 0), rotation=90, va="top", **beside
         )
-    axes.set_title(panel.title, fontsize=10)
-    axes.set_xlabel(panel.x_label)
-    axes.set_ylabel(panel.y_label)
     if panel.right_axis is not None:
-        factor, label = panel.right_axis
+        factor, text = panel.right_axis
         right = axes.secondary_yaxis("right", functions=(lambda y: factor * y, lambda y: y / factor))
-        right.set_ylabel(label)
+        right.set_ylabel(text)
     return drawn
 
 
-def _thin_out(axes: Any, texts: Sequence[Any], points: Iterable[tuple[float, float]]) -> None:
+def _thin_out(axes: Axes, texts: Sequence[Text], points: Iterable[tuple[float, float]]) -> None:
     """Hide contour labels too near to a marked point or to another label; halo round the others."""
     to_screen = axes.transData.transform
     taken = [to_screen(point) + (0.0, 0.5 * _LABEL_ROOM) for point in points]
     for text in texts:
-        text.set_path_effects(_HALO)
+        text.set_path_effects(HALO)
         place = to_screen(text.get_position())
         if any(np.hypot(*(place - other)) < _LABEL_ROOM for other in taken):
             text.set_visible(False)
         else:
             taken.append(place)
-
-
-def _signed(value: float) -> str:
-    return f"{value:+g}".replace("-", "\N{MINUS SIGN}")
 
 
 def draw_stress_curves(path: Path, stretch: FloatArray, nominal_kpa: Mapping[str, Mapping[str, FloatArray]]) -> None:
@@ -156,20 +131,13 @@ def draw_stress_curves(path: Path, stretch: FloatArray, nominal_kpa: Mapping[str
     nominal_kpa
         By test, then by material: nominal stress, shape (n,), kPa.
     """
-    styles = (
-        {"color": BLUE, "linestyle": "-"},
-        {"color": GREEN, "linestyle": "--"},
-        {"color": VERMILION, "linestyle": "-."},
-    )
     with figure_file(path, 9.3, 4.0) as figure:
         row = figure.subplots(1, len(nominal_kpa), sharey=True)
         for axes, (test, materials) in zip(row, nominal_kpa.items(), strict=True):
-            for (material, stress), style in zip(materials.items(), styles, strict=True):
+            for (material, stress), style in zip(materials.items(), _MATERIALS, strict=True):
                 axes.plot(stretch, stress, label=material, linewidth=1.8, **style)
-            axes.set_yscale("log")
+            axes.set(yscale="log", xlabel="stretch")
             axes.set_title(test, fontsize=10)
-            axes.set_xlabel("stretch")
-            axes.grid(color="#e4e4e4")
-            axes.set_axisbelow(True)
+            grid(axes)
         row[0].set_ylabel("nominal stress, kPa")
-        figure.legend(*row[0].get_legend_handles_labels(), loc="outside upper center", ncols=3, frameon=False)
+        figure.legend(*row[0].get_legend_handles_labels(), ncols=3, **ABOVE)

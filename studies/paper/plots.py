@@ -18,7 +18,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
 from analytical.bellows.paper import ALTERNATE_FAMILIES, PRINTED_PRESSURE_KPA, REFERENCE_FAMILY, actuators
-from studies.closed_form.tables import SILICONES, STRETCH_AT_BREAK
+from studies.closed_form.chains import SILICONES, STRETCH_AT_BREAK
 from studies.models.run_log import Run
 from studies.paper.cases import REFERENCE_SCENES, RING_VARIANTS, THICK
 from studies.paper.results import CaseResult, PaperResults
