@@ -96,9 +96,7 @@ def _draw_map(axes: Axes, panel: Panel) -> ScalarMappable:
         axes.annotate(label, place, xytext=(0, 7), ha="center", **beside)
     for label, x in panel.lines.items():
         axes.axvline(x, color="black", linewidth=1.2, linestyle=":")
-        axes.annotate(
-            label, (x, 0.97), xycoords=("data", "axes fraction"), xytext=(3, 0), rotation=90, va="top", **beside
-        )
+        axes.annotate(label, (x, 0.97), xytext=(3, 0), **upright, **beside)
     if panel.right_axis is not None:
         factor, text = panel.right_axis
         right = axes.secondary_yaxis("right", functions=(lambda y: factor * y, lambda y: y / factor))
