@@ -194,7 +194,7 @@ def run(study: Study[CaseT, ResultT], out: Path, comm: MPI.Comm, options: Mappin
     setting = Setting(out, comm, Progress(comm), options)
     faults = list(study.prepare(cases, setting)) if study.prepare else []
     solved, more = solve_cases(study, cases, setting)
-    code = first(comm, lambda: _write(study, solved, [*faults, *more], setting, time.perf_counter() - begin))
+    code = first(comm, lambda: _write(study, solved, [*faults, *more], setting, begin))
     return code
 
 
@@ -250,7 +250,7 @@ def _write(
     solved: Sequence[Solved[CaseT, ResultT]],
     faults: Sequence[str],
     setting: Setting,
-    wall_s: float,
+    begin: float,
 ) -> int:
     """Rows, page, and what the terminal is told; returns the exit code."""
     page = study.page(solved, setting)
@@ -263,7 +263,7 @@ def _write(
         "question": study.question,
         "stopped": stopped,
         "bars": bars_table(page.bars),
-        "wall": duration(wall_s),
+        "wall": duration(time.perf_counter() - begin),
         "provenance": stamp_table(setting.comm),
     }
     report = write_page(setting.out, study.template, {**facts, **page.content})

@@ -42,12 +42,8 @@ BLOCKED: Final = "blocked"
 
 def actuator_rows(actuator: PaperActuator) -> list[Row]:
     """All numbers of an actuator."""
-    return [
-        *chain_rows(actuator),
-        *correction_rows(actuator),
-        *load_rows(actuator),
-        *effect_rows(actuator),
-    ]
+    parts = (chain_rows, correction_rows, load_rows, effect_rows)
+    return [entry for part in parts for entry in part(actuator)]
 
 
 def chain_rows(actuator: PaperActuator) -> list[Row]:
@@ -82,12 +78,20 @@ def _path_rows(actuator: PaperActuator, model: str, level: str, path: ClosedForm
             status=_status(str(path.state[k])),
         )
         rows.append(tip)
-        rows += [
-            row(actuator.name, name, unit, pressure, model, float(output(path, name)[k]), level)
-            for name, unit in OUTPUTS.items()
-        ]
+    for name, unit in OUTPUTS.items():
+        rows += _over_pressures(actuator, name, unit, model, output(path, name), level)
     unfolding = float(path.unfolding_pressure_kpa[0])
     return [*rows, row(actuator.name, "unfolding_pressure_kpa", "kPa", math.nan, model, unfolding, level)]
+
+
+def _over_pressures(
+    actuator: PaperActuator, quantity: str, unit: str, model: str, values: FloatArray, level: str
+) -> list[Row]:
+    """A row per pressure."""
+    return [
+        row(actuator.name, quantity, unit, pressure, model, float(value), level)
+        for pressure, value in zip(PRESSURES_KPA, values, strict=True)
+    ]
 
 
 def output(path: ClosedFormPath, name: str) -> FloatArray:
@@ -101,13 +105,11 @@ def _status(state: str) -> str:
 
 def correction_rows(actuator: PaperActuator) -> list[Row]:
     """Effects of all corrections on an actuator, cm."""
-    return [
-        row(actuator.name, CORRECTION, "cm", pressure, correction.chain, value, correction.name)
-        for correction in CORRECTIONS
-        for pressure, value in zip(
-            PRESSURES_KPA, effect_cm(correction, actuator.dimensions, actuator.law, PRESSURES_KPA).tolist(), strict=True
-        )
-    ]
+    rows = []
+    for c in CORRECTIONS:
+        worth_cm = effect_cm(c, actuator.dimensions, actuator.law, PRESSURES_KPA)
+        rows += _over_pressures(actuator, CORRECTION, "cm", c.chain, worth_cm, c.name)
+    return rows
 
 
 def load_rows(actuator: PaperActuator) -> list[Row]:
@@ -121,12 +123,9 @@ def load_rows(actuator: PaperActuator) -> list[Row]:
             pressure = pressure_at_elongation_kpa(actuator.dimensions, actuator.law, elongation, reading)
             rows.append(row(actuator.name, TIP, "mm", pressure, model, elongation, share_text(share)))
         held = held_tip(actuator.dimensions, actuator.law, PRESSURES_KPA, reading=reading)
-        for k, pressure in enumerate(PRESSURES_KPA):
-            rows += [
-                row(actuator.name, "tip_force_n", "N", pressure, model, float(held.tip_force_n[k]), BLOCKED),
-                row(actuator.name, "thrust_n", "N", pressure, model, float(held.extension_force_n[k]), BLOCKED),
-                row(actuator.name, "wall_stretch", "1", pressure, model, float(held.wall_stretch[k]), BLOCKED),
-            ]
+        rows += _over_pressures(actuator, "tip_force_n", "N", model, held.tip_force_n, BLOCKED)
+        rows += _over_pressures(actuator, "thrust_n", "N", model, held.extension_force_n, BLOCKED)
+        rows += _over_pressures(actuator, "wall_stretch", "1", model, held.wall_stretch, BLOCKED)
     return rows
 
 
@@ -137,9 +136,7 @@ def share_text(share: float) -> str:
 
 def effect_rows(actuator: PaperActuator) -> list[Row]:
     """What each effect is worth for an actuator, %."""
-    path = path_of(actuator, CORRECTED)
-    return [
-        row(actuator.name, CHANGE, "%", pressure, "closed_form", value, effect.name)
-        for effect in EFFECTS
-        for pressure, value in zip(PRESSURES_KPA, effect.percent(path).tolist(), strict=True)
-    ]
+    path, rows = path_of(actuator, CORRECTED), []
+    for effect in EFFECTS:
+        rows += _over_pressures(actuator, CHANGE, "%", "closed_form", effect.percent(path), effect.name)
+    return rows

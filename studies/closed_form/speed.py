@@ -34,11 +34,13 @@ GOAL_PER_SECOND: Final = 1e5
 GOAL_ERROR: Final = 1e-8
 SEED: Final = 20240160
 # Ranges of the random designs, uniform; ours, round the four actuators.
-ROOT_RADIUS_MM: Final = (3.0, 10.0)
-WALL_OVER_ROOT: Final = (0.1, 0.5)
-CREST_OVER_ROOT: Final = (1.2, 2.6)
-HALF_PITCH_MM: Final = (3.0, 10.0)
-CONVOLUTIONS: Final = (1, 20)
+RANGES: Final = {
+    "R_i": (3.0, 10.0),
+    "t/R_i": (0.1, 0.5),
+    "R_p/R_i": (1.2, 2.6),
+    "e": (3.0, 10.0),
+    "n": (1, 20),
+}
 
 
 @dataclass(frozen=True)
@@ -90,13 +92,13 @@ def solve(case: Case, at: Setting) -> Measurement:
 def random_designs(count: int, seed: int) -> BellowsDesigns:
     """Designs drawn uniformly from the ranges above; the same for the same seed."""
     draw = np.random.default_rng(seed)
-    root = draw.uniform(*ROOT_RADIUS_MM, count)
+    root = draw.uniform(*RANGES["R_i"], count)
     return BellowsDesigns(
         root_radius_mm=root,
-        crest_radius_mm=root * draw.uniform(*CREST_OVER_ROOT, count),
-        wall_mm=root * draw.uniform(*WALL_OVER_ROOT, count),
-        half_pitch_mm=draw.uniform(*HALF_PITCH_MM, count),
-        convolutions=draw.integers(CONVOLUTIONS[0], CONVOLUTIONS[1], count, endpoint=True),
+        crest_radius_mm=root * draw.uniform(*RANGES["R_p/R_i"], count),
+        wall_mm=root * draw.uniform(*RANGES["t/R_i"], count),
+        half_pitch_mm=draw.uniform(*RANGES["e"], count),
+        convolutions=draw.integers(*RANGES["n"], count, endpoint=True),
     )
 
 
@@ -135,7 +137,9 @@ def page(solved: Sequence[Measured], at: Setting) -> Page:
         f"goal {GOAL_PER_SECOND:g}/s at {GOAL_ERROR:g}": lambda s: "met" if meets_goals(s.result) else "missed",
     }
     content = {
-        "setting": setting(),
+        "designs": DESIGNS,
+        "ranges": "; ".join(f"{name} {low:g} to {high:g}" for name, (low, high) in RANGES.items()),
+        "pressures": PRESSURES_KPA,
         "repetitions": REPETITIONS,
         "sample": SAMPLE,
         "speeds": table_of(solved, columns, left=(0, 1, 7)),
@@ -148,33 +152,23 @@ def meets_goals(found: Measurement) -> bool:
     return max(found.per_second) >= GOAL_PER_SECOND and found.largest_error <= GOAL_ERROR
 
 
-def setting() -> str:
-    """What was evaluated, in words."""
-    return (
-        f"{DESIGNS} random designs (R_i {_span(ROOT_RADIUS_MM)} mm, t/R_i {_span(WALL_OVER_ROOT)}, R_p/R_i "
-        f"{_span(CREST_OVER_ROOT)}, e {_span(HALF_PITCH_MM)} mm, n {_span(CONVOLUTIONS)}) at {len(PRESSURES_KPA)} "
-        f"pressures, {PRESSURES_KPA[0]:g} to {PRESSURES_KPA[-1]:g} kPa"
-    )
-
-
-def _span(bounds: tuple[float, float]) -> str:
-    return f"{bounds[0]:g} to {bounds[1]:g}"
-
-
 def rows(one: Measured) -> list[Row]:
     """Rows of a case."""
-    found, source = one.result, f"{DESIGNS} designs x {len(PRESSURES_KPA)} pressures"
-    values = (
-        ("evaluations_per_second", "1/s", max(found.per_second), f"best of {len(found.per_second)}"),
-        ("evaluations_per_second", "1/s", min(found.per_second), f"slowest of {len(found.per_second)}"),
-        ("fully_unfolded_percent", "%", 100.0 * found.unfolded, ""),
-        ("elongation_error_largest", "1", found.largest_error, ""),
-        ("elongation_error_median", "1", found.median_error, ""),
+    name, found, source = (
+        SILICONES[one.case.silicone],
+        one.result,
+        f"{DESIGNS} designs x {len(PRESSURES_KPA)} pressures",
     )
-    name = SILICONES[one.case.silicone]
+
+    def entry(quantity: str, unit: str, value: float, level: str = "") -> Row:
+        return row(name, quantity, unit, math.nan, one.case.model, value, level, source=source)
+
     return [
-        row(name, quantity, unit, math.nan, one.case.model, value, level, source=source)
-        for quantity, unit, value, level in values
+        entry("evaluations_per_second", "1/s", max(found.per_second), f"best of {len(found.per_second)}"),
+        entry("evaluations_per_second", "1/s", min(found.per_second), f"slowest of {len(found.per_second)}"),
+        entry("fully_unfolded_percent", "%", 100.0 * found.unfolded),
+        entry("elongation_error_largest", "1", found.largest_error),
+        entry("elongation_error_median", "1", found.median_error),
     ]
 
 

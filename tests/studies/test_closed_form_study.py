@@ -213,7 +213,7 @@ def test_benchmark_designs_repeat_and_stay_in_range() -> None:
     one, other = (speed.random_designs(100, speed.SEED) for _ in range(2))
     assert np.array_equal(one.root_radius_mm, other.root_radius_mm)
     ratio = np.asarray(one.wall_mm) / np.asarray(one.root_radius_mm)
-    assert ratio.min() >= speed.WALL_OVER_ROOT[0] and ratio.max() <= speed.WALL_OVER_ROOT[1]
+    assert ratio.min() >= speed.RANGES["t/R_i"][0] and ratio.max() <= speed.RANGES["t/R_i"][1]
 
 
 def test_benchmark_report_names_speed_and_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
