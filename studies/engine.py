@@ -34,6 +34,7 @@ ROWS_FILE = "rows.csv"
 # Studies in the order of a reader's questions, and the module that has each as STUDY.
 STUDIES: Mapping[str, str] = {
     "closed-form": "studies.closed_form.study",
+    "dimensions": "studies.dimensions.study",
     "vacuum": "studies.vacuum.study",
     "benchmark-closed-form": "studies.closed_form.speed",
 }

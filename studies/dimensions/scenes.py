@@ -35,7 +35,7 @@ height_mm = 2.0
 edge_radius_mm = 0.5
 """
 
-_ASKED = """\
+_REQUESTED = """\
 [mesh]
 element = "auto"            # hex | tet (as in the paper) | auto: hex unless the rings are meshed
 
@@ -82,7 +82,7 @@ def scene_text(actuator: PaperActuator, label: str) -> str:
         f"{alternate}"
         f'name = "{actuator.name}"\n\n[geometry]\nkind = "bellows"\nprofile = "arcs"\n'
         + "".join(_line(f"{key} = {_number(value)}", comment) for key, value, comment in lines)
-        + f"{_CHOSEN}\n{_material(actuator)}\n{_ASKED}"
+        + f"{_CHOSEN}\n{_material(actuator)}\n{_REQUESTED}"
     )
 
 
