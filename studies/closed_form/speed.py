@@ -33,13 +33,14 @@ SAMPLE: Final = 300
 GOAL_PER_SECOND: Final = 1e5
 GOAL_ERROR: Final = 1e-8
 SEED: Final = 20240160
+CONVOLUTIONS: Final = (1, 20)
 # Ranges of the random designs, uniform; ours, round the four actuators.
-RANGES: Final = {
+RANGES: Final[Mapping[str, tuple[float, float]]] = {
     "R_i": (3.0, 10.0),
     "t/R_i": (0.1, 0.5),
     "R_p/R_i": (1.2, 2.6),
     "e": (3.0, 10.0),
-    "n": (1, 20),
+    "n": CONVOLUTIONS,
 }
 
 
@@ -98,7 +99,7 @@ def random_designs(count: int, seed: int) -> BellowsDesigns:
         crest_radius_mm=root * draw.uniform(*RANGES["R_p/R_i"], count),
         wall_mm=root * draw.uniform(*RANGES["t/R_i"], count),
         half_pitch_mm=draw.uniform(*RANGES["e"], count),
-        convolutions=draw.integers(*RANGES["n"], count, endpoint=True),
+        convolutions=draw.integers(*CONVOLUTIONS, count, endpoint=True),
     )
 
 

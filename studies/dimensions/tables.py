@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from studies.dimensions.scenes import buildable
 from studies.report.numbers import MISSING, signed, typeset
 from studies.report.tables import Table, table_of
 
+T = TypeVar("T")
 # A set, of one member.
 _MEMBER: Final[Mapping[str, Callable[[Members], str]]] = {
     "Dragon Skin": lambda m: silicones_text(m.silicone[0]),
@@ -31,6 +32,17 @@ _MEMBER: Final[Mapping[str, Callable[[Members], str]]] = {
     "worst error, %": lambda m: f"{100.0 * m.worst_error[0]:.2f}",
 }
 _LENGTHS: Final = dict(list(_MEMBER.items())[1:])
+
+
+def _of_part(
+    member: Callable[[T], Members], columns: Mapping[str, Callable[[Members], str]]
+) -> dict[str, Callable[[T], str]]:
+    """Columns of a member, which may be none, for records that have one."""
+
+    def column(text: Callable[[Members], str]) -> Callable[[T], str]:
+        return lambda record: text(member(record)) if len(member(record)) else MISSING
+
+    return {header: column(text) for header, text in columns.items()}
 
 
 def silicones_text(silicone: Sequence[int]) -> str:
@@ -48,7 +60,7 @@ def sets(found: Fit) -> Table:
 
     columns: dict[str, Callable[[PickedSet], str]] = {
         "set": lambda s: s.name,
-        **{header: lambda s, text=text: text(s.member) for header, text in _MEMBER.items()},
+        **_of_part(lambda s: s.member, _MEMBER),
         "largest wall stretch": lambda s: f"{wall_stretch(s.member).max():.2f}",
         "length at rest, mm": lambda s: f"{rest_length_mm(s.member, found.fittings)[0, 0]:g}",
         "mean silicone, g": lambda s: f"{s.meshed_g[:, 0].mean():.1f}",
@@ -114,16 +126,13 @@ def saturation(found: Fit) -> Table:
         return typeset(float(free.elongation_mm[0]), ".1f", "no real value")
 
     shares = 100.0 * np.mean(unfolding_kpa(found.members) <= PRINTED_PRESSURE_KPA, axis=0)
-    columns: dict[str, Callable[[int], str]] = {
-        "actuator": lambda j: ACTUATORS[j],
-        "printed, mm": lambda j: f"{printed_mm(found.sets[0].actuators[j])['paper_closed_form']:g}",
-    }
-    for of_set in found.sets:
-        four = of_set.actuators
-        columns[f"{of_set.name}: unfolds at, kPa"] = lambda j, four=four: f"{unfolds_kpa(four[j]):.1f}"
-        columns[f"{of_set.name}: without the rule, mm"] = lambda j, four=four: without_mm(four[j])
-    columns["of all that fit, %"] = lambda j: f"{shares[j]:.1f}"
-    return table_of(range(len(ACTUATORS)), columns, left=(0,))
+    lines = []
+    for j, what in enumerate(ACTUATORS):
+        of_sets = [of_set.actuators[j] for of_set in found.sets]
+        cells = (cell for a in of_sets for cell in (f"{unfolds_kpa(a):.1f}", without_mm(a)))
+        lines.append((what, f"{printed_mm(of_sets[0])['paper_closed_form']:g}", *cells, f"{shares[j]:.1f}"))
+    header = [f"{name}: {text}" for name in SET_NAMES for text in ("unfolds at, kPa", "without the rule, mm")]
+    return Table(("actuator", "printed, mm", *header, "of all that fit, %"), tuple(lines))
 
 
 def masses(found: Fit) -> Table:
@@ -206,8 +215,7 @@ def rules(found: Fit) -> Table:
         "step, mm": lambda r: f"{r[0].step_mm:g}",
         "filter": lambda r: r[1],
         "candidates": lambda r: f"{len(r[0].candidates)}",
-        **{header: lambda r, text=text: text(r[2]) if len(r[2]) else MISSING for header, text in _LENGTHS.items()},
-        "largest wall stretch": lambda r: f"{wall_stretch(r[2]).max():.3f}" if len(r[2]) else MISSING,
+        **_of_part(lambda r: r[2], {**_LENGTHS, "largest wall stretch": lambda m: f"{wall_stretch(m).max():.3f}"}),
     }
     filters = ((r, *pick) for r in found.rules for pick in (("any shape", r.any_shape), ("buildable", r.buildable)))
     return table_of(filters, columns, left=(1,))
