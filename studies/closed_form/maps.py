@@ -18,7 +18,7 @@ from analytical.bellows.dimensions import BellowsDesigns
 from analytical.bellows.paper import LAWS, PaperActuator, Silicone
 from studies.closed_form.chains import SILICONES
 from studies.closed_form.effects import Effect
-from studies.report.maps import Panel
+from studies.closed_form.plots import MapPanel
 
 # Our choice of the range: the four actuators lie well inside, walls of one fold never touch (t < e).
 WALL_OVER_ROOT: Final = np.linspace(0.1, 0.5, 41)
@@ -75,7 +75,7 @@ def held_sizes() -> str:
     )
 
 
-def panels(effect: Effect, maps: Sequence[SiliconeMaps], actuators: Sequence[PaperActuator]) -> list[list[Panel]]:
+def panels(effect: Effect, maps: Sequence[SiliconeMaps], actuators: Sequence[PaperActuator]) -> list[list[MapPanel]]:
     """Rows of panels, one per silicone: the map at each pressure, then the section over the pressure."""
     found = []
     for one in maps:
@@ -90,16 +90,16 @@ def _place(actuator: PaperActuator) -> tuple[float, float]:
     return d.wall_mm / d.root_radius_mm, d.crest_radius_mm / d.root_radius_mm
 
 
-def _planes(effect: Effect, one: SiliconeMaps, places: Mapping[str, tuple[float, float]]) -> list[Panel]:
+def _planes(effect: Effect, one: SiliconeMaps, places: Mapping[str, tuple[float, float]]) -> list[MapPanel]:
     modulus_kpa, percent = 1e3 * one.plane.law.initial_shear_modulus_mpa, effect.percent(one.plane)
     return [
-        Panel(
+        MapPanel(
             title=f"{SILICONES[one.silicone]}, {pressure:g} kPa = {pressure / modulus_kpa:.3f} μ",
             x_label="$t / R_i$",
             y_label="$R_p / R_i$",
             x=WALL_OVER_ROOT,
             y=CREST_OVER_ROOT,
-            values=percent[..., k].T,
+            percent=percent[..., k].T,
             unfolded=(pressure - one.plane.unfolding_pressure_kpa[..., 0]).T,
             points=places,
         )
@@ -107,15 +107,15 @@ def _planes(effect: Effect, one: SiliconeMaps, places: Mapping[str, tuple[float,
     ]
 
 
-def _section(effect: Effect, one: SiliconeMaps, places: Mapping[str, tuple[float, float]]) -> Panel:
+def _section(effect: Effect, one: SiliconeMaps, places: Mapping[str, tuple[float, float]]) -> MapPanel:
     modulus_kpa = 1e3 * one.section.law.initial_shear_modulus_mpa
-    return Panel(
+    return MapPanel(
         title=f"{SILICONES[one.silicone]}, $R_p / R_i$ = {SECTION:g}",
         x_label="$t / R_i$",
         y_label="pressure / μ",
         x=WALL_OVER_ROOT,
         y=SWEEP_KPA / modulus_kpa,
-        values=effect.percent(one.section).T,
+        percent=effect.percent(one.section).T,
         unfolded=(SWEEP_KPA - one.section.unfolding_pressure_kpa).T,
         lines={name: wall for name, (wall, crest) in places.items() if np.isclose(crest, SECTION)},
         right_axis=(modulus_kpa, "pressure, kPa"),

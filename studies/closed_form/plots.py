@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,8 +19,16 @@ from analytical.bellows.paper import PRINTED_PRESSURE_KPA, PaperActuator
 from studies.closed_form.chains import CHAINS, CUTS, PRESSURES_KPA, path_of, printed_mm
 from studies.report.curves import Curve, draw_elongation
 from studies.report.labels import model_label
-from studies.report.maps import DIFFERENCES, Panel, difference_text, draw_panels, steps, unfolding_entry
-from studies.report.style import ABOVE, BLUE, GREEN, HALO, VERMILION, figure_file, grid
+from studies.report.maps import (
+    PERCENT_COLOURS,
+    change_of_sign,
+    colour_scale,
+    mark_change_of_sign,
+    percent_bands,
+    percent_text,
+)
+from studies.report.panels import Panel, Series, draw_panels
+from studies.report.style import ABOVE, BLUE, GREEN, HALO, VERMILION, figure_file
 
 # Past the printed range, 20 kPa, to show what follows.
 _PLOT_KPA: Final = tuple(np.linspace(0.0, 25.0, 251))
@@ -28,9 +38,9 @@ _BOUNDS: Final = (-100.0, -50.0, -20.0, -10.0, -5.0, 5.0, 10.0, 20.0, 50.0, 100.
 _LABEL_ROOM: Final = 35.0
 _NO_STATE: Final = "#bdbdbd"
 _MATERIALS: Final[tuple[dict[str, Any], ...]] = (
-    {"color": BLUE, "linestyle": "-"},
-    {"color": GREEN, "linestyle": "--"},
-    {"color": VERMILION, "linestyle": "-."},
+    {"color": BLUE, "linestyle": "-", "linewidth": 1.8},
+    {"color": GREEN, "linestyle": "--", "linewidth": 1.8},
+    {"color": VERMILION, "linestyle": "-.", "linewidth": 1.8},
 )
 
 
@@ -66,7 +76,41 @@ def _curve(model: str, label: str, path: ClosedFormPath) -> Curve:
     )
 
 
-def draw_maps(path: Path, panels: Sequence[Sequence[Panel]], label: str) -> None:
+@dataclass(frozen=True, eq=False)
+class MapPanel:
+    """A map of a change in percent.
+
+    Attributes
+    ----------
+    title, x_label, y_label
+        Texts.
+    x, y
+        Coordinates, shapes (m,) and (k,).
+    percent
+        What is drawn, shape (k, m); NaN is grey.
+    unfolded
+        Positive where the bellows is fully unfolded, negative where it is folded; shape (k, m).
+    points
+        Places (x, y) to mark, by label.
+    lines
+        Values of x to mark, by label.
+    right_axis
+        Factor and label of a second y axis on the right; None for none.
+    """
+
+    title: str
+    x_label: str
+    y_label: str
+    x: FloatArray
+    y: FloatArray
+    percent: FloatArray
+    unfolded: FloatArray
+    points: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    lines: Mapping[str, float] = field(default_factory=dict)
+    right_axis: tuple[float, str] | None = None
+
+
+def draw_maps(path: Path, panels: Sequence[Sequence[MapPanel]], label: str) -> None:
     """Draw rows of maps with contour lines and one scale of colours in percent.
 
     Parameters
@@ -78,17 +122,25 @@ def draw_maps(path: Path, panels: Sequence[Sequence[Panel]], label: str) -> None
     label
         What the colours mean, with its unit.
     """
-    draw_panels(path, panels, _draw_map, label, [unfolding_entry("fully unfolded from here on")], _BOUNDS)
+    width = len(panels[0])
+    with figure_file(path, 3.1 * width, 2.9 * len(panels) + 0.6) as figure:
+        # room for the y labels, which the layout puts a little beyond the edge otherwise
+        figure.set_layout_engine("constrained", w_pad=0.1)
+        places = figure.subplots(len(panels), width, squeeze=False)
+        for axes, panel in zip(places.ravel(), itertools.chain(*panels), strict=True):
+            drawn = _draw_map(axes, panel)
+        colour_scale(figure, drawn, places, label, _BOUNDS)
+        figure.legend(handles=[change_of_sign("fully unfolded from here on")], loc="outside lower right", frameon=False)
 
 
-def _draw_map(axes: Axes, panel: Panel) -> ScalarMappable:
+def _draw_map(axes: Axes, panel: MapPanel) -> ScalarMappable:
     axes.set_facecolor(_NO_STATE)
-    percent = np.ma.masked_invalid(panel.values)
-    look: dict[str, Any] = {"levels": _BOUNDS, "extend": "both"}
-    drawn = axes.contourf(panel.x, panel.y, percent, cmap=DIFFERENCES, norm=steps(_BOUNDS), **look)
+    percent, look = np.ma.masked_invalid(panel.percent), {"cmap": PERCENT_COLOURS, "norm": percent_bands(_BOUNDS)}
+    drawn = axes.contourf(panel.x, panel.y, percent, levels=_BOUNDS, extend="both", **look)
     lines = axes.contour(panel.x, panel.y, percent, levels=_BOUNDS, colors="black", linewidths=0.7)
-    texts = axes.clabel(lines, inline=False, colors="black", fmt=difference_text, fontsize=7)
+    texts = axes.clabel(lines, inline=False, colors="black", fmt=percent_text, fontsize=7)
     _thin_out(axes, texts, panel.points.values())
+    mark_change_of_sign(axes, panel.x, panel.y, panel.unfolded)
     beside: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8, "path_effects": HALO}
     upright: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "rotation": 90, "va": "top"}
     for label, place in panel.points.items():
@@ -97,6 +149,8 @@ def _draw_map(axes: Axes, panel: Panel) -> ScalarMappable:
     for label, x in panel.lines.items():
         axes.axvline(x, color="black", linewidth=1.2, linestyle=":")
         axes.annotate(label, (x, 0.97), xytext=(3, 0), **upright, **beside)
+    axes.set(xlabel=panel.x_label, ylabel=panel.y_label)
+    axes.set_title(panel.title, fontsize=10)
     if panel.right_axis is not None:
         factor, text = panel.right_axis
         right = axes.secondary_yaxis("right", functions=(lambda y: factor * y, lambda y: y / factor))
@@ -129,13 +183,9 @@ def draw_stress_curves(path: Path, stretch: FloatArray, nominal_kpa: Mapping[str
     nominal_kpa
         By test, then by material: nominal stress, shape (n,), kPa.
     """
-    with figure_file(path, 9.3, 4.0) as figure:
-        row = figure.subplots(1, len(nominal_kpa), sharey=True)
-        for axes, (test, materials) in zip(row, nominal_kpa.items(), strict=True):
-            for (material, stress), style in zip(materials.items(), _MATERIALS, strict=True):
-                axes.plot(stretch, stress, label=material, linewidth=1.8, **style)
-            axes.set(yscale="log", xlabel="stretch")
-            axes.set_title(test, fontsize=10)
-            grid(axes)
-        row[0].set_ylabel("nominal stress, kPa")
-        figure.legend(*row[0].get_legend_handles_labels(), ncols=3, **ABOVE)
+    panels: list[Panel] = []
+    for test, materials in nominal_kpa.items():
+        series = [Series(stretch, *of) for of in zip(materials.values(), _MATERIALS, materials, strict=True)]
+        label = "" if panels else "nominal stress, kPa"
+        panels.append(Panel(series, "stretch", label, test, logarithmic="y"))
+    draw_panels(path, [panels], (9.3, 4.0), {**ABOVE, "ncols": 3}, sharey=True)

@@ -36,7 +36,6 @@ from studies.report.style import (
     entry,
     figure_file,
     grid,
-    logarithmic,
     white_edged,
 )
 from studies.scene.bellows import shape_of
@@ -146,7 +145,7 @@ def _draw_strips(axes: Axes, prediction: Prediction, with_rings: BoolArray) -> N
     axes.set_title(q.label, fontsize=10)
     axes.set_xlabel("" if q.unit == "1" else q.unit)
     if q.name in _LOGARITHMIC:
-        logarithmic(axes, "x")
+        axes.set_xscale("log")
         _label_decades(axes, prediction.members)
     grid(axes, "x")
 
@@ -229,12 +228,13 @@ def _with_math(name: str) -> str:
 
 
 def _label_decades(axes: Axes, values: FloatArray) -> None:
-    """Ticks at 1, 2 and 5 of each decade, or at the decades alone where that would be too many."""
+    """Plain numbers at 1, 2 and 5 of each decade, or at the decades alone where that would be too many."""
     decades = 10.0 ** np.arange(np.floor(np.log10(values.min())), np.ceil(np.log10(values.max())))
     ticks = (decades[:, None] * np.array([1.0, 2.0, 5.0])).ravel()
     ticks = ticks[(ticks >= 0.9 * values.min()) & (ticks <= 1.1 * values.max())]
     if len(ticks) > 6:
         ticks = ticks[ticks == 10.0 ** np.round(np.log10(ticks))]
     axes.xaxis.set_major_locator(FixedLocator(ticks))
+    axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_minor_formatter(NullFormatter())

@@ -1,126 +1,49 @@
-"""Maps over two sizes: panels on one scale of colours, and where a bellows is fully unfolded."""
+"""What maps of a change in percent share: bands of colour, their scale, and lines where a sign changes."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from itertools import chain
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any, Final
 
-import matplotlib
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import BoundaryNorm, Colormap
+from matplotlib.colors import BoundaryNorm
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
-from analytical.arrays import FloatArray
-from studies.report.numbers import MINUS
-from studies.report.style import BLUE, HALO, entry, figure_file
+from studies.report.style import BLUE, HALO, entry
 
-# Of differences: orange against purple, told apart by colour-blind readers, white in between.
-DIFFERENCES: Final[Colormap] = matplotlib.colormaps["PuOr"]
-_UNFOLDED: Final[dict[str, Any]] = {"color": BLUE, "linestyle": "--", "linewidth": 1.6}
-
-
-@dataclass(frozen=True, eq=False)
-class Panel:
-    """A map.
-
-    Attributes
-    ----------
-    title, x_label, y_label
-        Texts.
-    x, y
-        Coordinates, shapes (m,) and (k,).
-    values
-        What is drawn, shape (k, m); NaN is grey.
-    unfolded
-        Positive where the bellows is fully unfolded, negative where it is folded; shape (k, m).
-    points
-        Places (x, y) to mark, by label.
-    lines
-        Values of x to mark, by label.
-    right_axis
-        Factor and label of a second y axis on the right; None for none.
-    """
-
-    title: str
-    x_label: str
-    y_label: str
-    x: FloatArray
-    y: FloatArray
-    values: FloatArray
-    unfolded: FloatArray
-    points: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    lines: Mapping[str, float] = field(default_factory=dict)
-    right_axis: tuple[float, str] | None = None
+# Orange against purple, told apart by colour-blind readers, white where little changes.
+PERCENT_COLOURS: Final = "PuOr"
+_BORDER: Final = {"colors": BLUE, "linestyles": "--"}
 
 
-def draw_panels(
-    path: Path,
-    panels: Sequence[Sequence[Panel]],
-    draw: Callable[[Axes, Panel], ScalarMappable],
-    label: str,
-    legend: Sequence[Artist],
-    bounds: Sequence[float] | None = None,
-    size_in: float = 3.0,
-) -> None:
-    """Draw rows of maps above one scale of colours and a legend.
-
-    Parameters
-    ----------
-    path
-        The PNG to write.
-    panels
-        Rows of equal length.
-    draw
-        Draws the values of a panel; returns what the scale of colours is of, the same for all panels.
-    label
-        What the colours mean, with its unit.
-    legend
-        Its entries.
-    bounds
-        Values at which the colour changes, for the ticks of the scale; None if it changes everywhere.
-    size_in
-        Width and about the height of a panel.
-    """
-    with figure_file(path, size_in * len(panels[0]), size_in * len(panels) + 0.6) as figure:
-        # room for the y labels, which the layout puts a little beyond the edge otherwise
-        figure.set_layout_engine("constrained", w_pad=0.1)
-        grid = figure.subplots(len(panels), len(panels[0]), squeeze=False)
-        for axes, panel in zip(grid.ravel(), chain.from_iterable(panels), strict=True):
-            drawn = draw(axes, panel)
-            axes.set(title=panel.title, xlabel=panel.x_label, ylabel=panel.y_label)
-            axes.title.set_fontsize(10)
-            mark_unfolding(axes, panel)
-        bar = figure.colorbar(drawn, ax=grid, location="bottom", aspect=50, shrink=0.7)
-        if bounds is not None:
-            bar.set_ticks(bounds, labels=[difference_text(bound) for bound in bounds])
-        bar.set_label(label)
-        figure.legend(handles=legend, loc="outside upper center", ncols=3, frameon=False)
-
-
-def steps(bounds: Sequence[float]) -> BoundaryNorm:
-    """A colour per interval and one for either end beyond."""
+def percent_bands(bounds: Sequence[float]) -> BoundaryNorm:
+    """A colour per interval between bounds, and one for either end beyond."""
     return BoundaryNorm(bounds, 256, extend="both")
 
 
-def mark_unfolding(axes: Axes, panel: Panel) -> None:
-    """The line between folded and fully unfolded states, if it is on the map."""
-    if np.any(panel.unfolded > 0.0) and np.any(panel.unfolded < 0.0):
-        masked = np.ma.masked_invalid(panel.unfolded)
-        line = axes.contour(panel.x, panel.y, masked, levels=[0.0], colors=BLUE, linestyles="--")
-        line.set(linewidth=1.6, path_effects=HALO)
+def percent_text(value: float, _: int = 0) -> str:
+    """A percentage with its sign, for ticks and labels; 0 has none."""
+    return f"{value:+g}".replace("-", "\N{MINUS SIGN}") if value else "0"
 
 
-def unfolding_entry(label: str) -> Line2D:
-    """Entry of a legend for the line of `mark_unfolding`."""
-    return entry(label, **_UNFOLDED)
+def colour_scale(figure: Figure, drawn: Any, axes: Any, label: str, bounds: Sequence[float] | None = None) -> None:
+    """The scale of colours below all maps; with bounds, those of `percent_bands` are its ticks."""
+    bar = figure.colorbar(drawn, ax=axes, location="bottom", aspect=50, shrink=0.7)
+    if bounds is not None:
+        bar.set_ticks(bounds, labels=[percent_text(bound) for bound in bounds])
+    bar.set_label(label)
 
 
-def difference_text(value: float) -> str:
-    """A difference in short, with its sign; 0 without."""
-    return f"{value:+g}".replace("-", MINUS) if value else "0"
+def mark_change_of_sign(axes: Axes, x: NDArray[Any], y: NDArray[Any], values: NDArray[Any]) -> None:
+    """Draw the line at which values, shape (len(y), len(x)), change their sign, if they do; NaN is passed over."""
+    if np.any(values > 0.0) and np.any(values < 0.0):
+        line = axes.contour(x, y, np.ma.masked_invalid(values), levels=[0.0], **_BORDER)
+        line.set(linewidth=1.7, path_effects=HALO)
+
+
+def change_of_sign(label: str) -> Line2D:
+    """The legend's entry of `mark_change_of_sign`."""
+    return entry(label, color=BLUE, linestyle="--", linewidth=1.7)

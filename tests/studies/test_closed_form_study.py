@@ -173,7 +173,7 @@ def test_panels_mark_each_actuator_once_per_map() -> None:
     assert [list(panel.points) for panel in upper] == [["t1-ri5", "t1-ri7"]] * 2 + [[]]
     assert dict(lower[-1].lines) == pytest.approx({"t2-ri5": 0.4})
     for panel in (*upper, *lower):
-        assert panel.values.shape == panel.unfolded.shape == (len(panel.y), len(panel.x))
+        assert panel.percent.shape == panel.unfolded.shape == (len(panel.y), len(panel.x))
 
 
 # --- material laws, exact solutions, benchmark ----------------------------------------------
