@@ -13,6 +13,7 @@ import time
 import traceback
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 import click
 from mpi4py import MPI
@@ -22,14 +23,17 @@ from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
 from studies.command.study import study
 from studies.models import session
-from studies.models.kinds import AnyPlan, description, plan_for, run
+from studies.planning.bellows import SECTOR_LEVELS, plan_bellows
 from studies.planning.error_model import ROUNDS, cells_of
-from studies.planning.plan import MODELS, SECTOR_LEVELS, Model, make_plan
+from studies.planning.levels import MODELS, Model
+from studies.planning.plan import Plan
+from studies.planning.planner import describe, make_plan
 from studies.progress import Progress
 from studies.results import provenance
 from studies.results.rows import Row
-from studies.scene.bellows import Scene
-from studies.scene.bodies import AnyScene, is_exact, load_any_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.bodies import BodyScene
+from studies.scene.files import Scene, kept_scene, load_scene
 from studies.scene.sections import SceneError
 
 # Commands import the studies and what draws their reports themselves: plan and solve then start in half the time.
@@ -49,13 +53,13 @@ def _out(text: str) -> None:
         click.echo(text)
 
 
-def _load(paths: tuple[Path, ...], model: Model | None = None) -> list[tuple[AnyScene, str]]:
+def _load(paths: tuple[Path, ...], model: Model | None = None) -> list[tuple[Scene, str]]:
     """All scenes, or exit with every fault found, also of the requested model; nothing has been written."""
     scenes, faults = [], []
     for path in paths:
         try:
-            scenes.append((load_any_scene(path), path.read_text(encoding="utf-8")))
-            plan_for(scenes[-1][0], model)
+            scenes.append((load_scene(path), path.read_text(encoding="utf-8")))
+            make_plan(scenes[-1][0], model)
         except SceneError as error:
             faults.append(str(error))
     names = [scene.name for scene, _ in scenes]
@@ -103,7 +107,7 @@ def main() -> None:
 def plan(scene: Path, model: Model | None) -> None:
     """Print what would be solved for SCENE, what is skipped, and why."""
     ((checked, _),) = _load((scene,), model)
-    _out(description(checked, model))
+    _out(describe(checked, make_plan(checked, model)))
 
 
 @main.command()
@@ -114,14 +118,19 @@ def solve(scene: Path, out: Path, model: Model | None) -> None:
     """Solve SCENE; writes path.csv, summary.json and rows.csv into the output folder."""
     ((checked, text),) = _load((scene,), model)
     _writable(out)
-    sys.exit(_solve(checked, text, plan_for(checked, model), out, MPI.COMM_WORLD))
+    sys.exit(_solve(checked, text, make_plan(checked, model), out, MPI.COMM_WORLD))
 
 
-def _solve(scene: AnyScene, text: str, plan: AnyPlan | None, out: Path, comm: MPI.Comm) -> int:
+def _solve(scene: Scene, text: str, plan: Plan | None, out: Path, comm: MPI.Comm) -> int:
     """Run a plan (None: every model a body with an exact answer has), print its rows; returns the exit code."""
     progress = Progress(comm)
     try:
-        result = run(scene, text, plan, out, comm, progress)
+        result: session.SceneResult[Any]
+        if plan is None:
+            assert isinstance(scene, BodyScene)
+            result = session.run_all_models(scene, text, out, comm, progress)
+        else:
+            result = session.run_plan(scene, text, plan, out, comm, progress)
     except (GeometryError, MeshError, SolverError, BellowsError) as error:
         progress.end("")
         if comm.rank == 0:
@@ -132,9 +141,9 @@ def _solve(scene: AnyScene, text: str, plan: AnyPlan | None, out: Path, comm: MP
     if comm.rank == 0:
         for entry in result.headlines:
             click.echo(f"{scene.name}  {_shown(entry)}")
-        if isinstance(result, session.SceneResult) and result.remark:
+        if result.remark:
             click.echo(f"{scene.name}  {result.remark}")
-        for note in result.unstable if isinstance(result, session.SceneResult) else ():
+        for note in result.unstable:
             click.echo(f"{scene.name}: {note}", err=True)
         if not result.reached:
             click.echo(f"{scene.name}: stopped early: {result.reason}", err=True)
@@ -181,7 +190,7 @@ def batch(scenes: tuple[Path, ...], out: Path, model: Model | None, ranks_per_sc
     mine = world.rank // size
     comm = world.Split(mine, world.rank)
     codes = [
-        _solve(scene, text, plan_for(scene, model), out / scene.name, comm) for scene, text in checked[mine::groups]
+        _solve(scene, text, make_plan(scene, model), out / scene.name, comm) for scene, text in checked[mine::groups]
     ]
     code = max(world.allreduce(max(codes, default=0), op=MPI.MAX), 0)
     if world.rank == 0:
@@ -281,9 +290,11 @@ def smoke(out: Path) -> None:
     """Solve two convolutions by every model and write the report: shows in a minute that all works."""
     ((scene, text),) = _load((provenance.ROOT / "scenes" / f"{SMOKE_SCENE}.toml",))
     _writable(out)
-    assert isinstance(scene, Scene)
+    assert isinstance(scene, BellowsScene)
     levels = ROUNDS[cells_of(scene)][:1]
-    code = _solve(scene, text, make_plan(scene, "full3d", levels, SECTOR_LEVELS[:1]), out / scene.name, MPI.COMM_WORLD)
+    code = _solve(
+        scene, text, plan_bellows(scene, "full3d", levels, SECTOR_LEVELS[:1]), out / scene.name, MPI.COMM_WORLD
+    )
     if MPI.COMM_WORLD.rank == 0:
         _report(out)
     MPI.COMM_WORLD.barrier()
@@ -364,7 +375,7 @@ def benchmark_solver(out: Path) -> None:
 
     _writable(out)
     ((checked, _),) = _load((provenance.ROOT / "scenes" / "heung-t2-ri5.toml",))
-    assert isinstance(checked, Scene)
+    assert isinstance(checked, BellowsScene)
     _out("\n".join(solver_benchmark.run(checked, out)))
 
 
@@ -389,7 +400,7 @@ def _report(folder: Path) -> None:
     if not folders:
         click.echo(f"{folder}: holds no scene results; run solve, batch or study first", err=True)
         sys.exit(BAD_INPUT)
-    exact = [p for p in folders if is_exact(p / session.SCENE_FILE)]
+    exact = [p for p in folders if isinstance(kept_scene(p / session.SCENE_FILE), BodyScene)]
     bellows = [p for p in folders if p not in exact]
     if bellows:
         click.echo(f"report: {render_scenes(folder, TITLE, INTRODUCTION, bellows)}")

@@ -29,7 +29,8 @@ from analytical.bellows.fit.search import Grid, search
 from analytical.bellows.paper import FAMILIES, InferredFamily, PaperActuator, actuators
 from studies.dimensions.cases import Steps
 from studies.dimensions.scenes import buildable, scene_of, standard_fittings
-from studies.models.build import masses_g, scene_meridian
+from studies.models.build import masses_g
+from studies.scene.meshes import scene_meridian
 
 # A choice whose best grid point is off by more than this is not refined: half a step is worth less.
 REFINE_WITHIN: Final = 0.08

@@ -23,11 +23,14 @@ from studies.dimensions.predictions import QUANTITIES
 from studies.dimensions.scenes import buildable, scene_of, standard_fittings, write_scenes
 from studies.dimensions.study import STUDY, keep_scenes, recorded
 from studies.engine import Setting, run
-from studies.models.build import masses_g, scene_meridian
+from studies.models.build import masses_g
 from studies.progress import Progress
 from studies.results import provenance
 from studies.results.rows import read_rows
-from studies.scene.bellows import STABLE_STRETCH, dimensions_of, law_of, load_scene
+from studies.scene.bellows import dimensions_of
+from studies.scene.files import load_bellows
+from studies.scene.materials import STABLE_STRETCH, law_of
+from studies.scene.meshes import scene_meridian
 
 TWELVE = [actuator for family in FAMILIES for actuator in actuators(family)]
 every_actuator = pytest.mark.parametrize("actuator", TWELVE, ids=[actuator.name for actuator in TWELVE])
@@ -82,7 +85,7 @@ def test_scene_files_are_what_the_study_writes(actuator, root, tmp_path) -> None
     name = f"{actuator.name}.toml"
     ours, written = (folder / name for folder in (root / "scenes", tmp_path))
     assert tomllib.loads(ours.read_text(encoding="utf-8")) == tomllib.loads(written.read_text(encoding="utf-8"))
-    scene = load_scene(ours)
+    scene = load_bellows(ours)
     assert scene.name == actuator.name
     assert dimensions_of(scene) == actuator.dimensions
     law, known = law_of(scene.material), actuator.law

@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA
 from studies.closed_form.chains import SILICONES, STRETCH_AT_BREAK
-from studies.models.run_log import Run
 from studies.paper.plots.layout import ACTUATORS, SMALL, WIDTH_IN, mark_end
 from studies.paper.plots.paths import (
     by_base,
@@ -27,7 +26,8 @@ from studies.paper.plots.paths import (
 from studies.paper.results import PaperResults
 from studies.report.curves import set_pressure_axis
 from studies.report.style import ABOVE, BLACK, VERMILION, entry, figure_file, white_edged
-from studies.scene.bellows import Scene
+from studies.results.runs import Run
+from studies.scene.bellows import BellowsScene
 
 
 def draw_beyond(path: Path, results: PaperResults) -> str:
@@ -79,7 +79,7 @@ def draw_beyond(path: Path, results: PaperResults) -> str:
     return ""
 
 
-def _draw_breaks(axes: Axes, scenes: Sequence[Scene]) -> None:
+def _draw_breaks(axes: Axes, scenes: Sequence[BellowsScene]) -> None:
     """Draw the stretches at which the silicones break, and whose they are."""
     for silicone, stretch in STRETCH_AT_BREAK.items():
         axes.axhline(stretch, color=BLACK, linewidth=1.2, linestyle="--", zorder=2.0)

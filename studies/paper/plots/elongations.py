@@ -38,7 +38,7 @@ from studies.paper.results import CaseResult, PaperResults
 from studies.report.curves import Curve, draw_curves, set_pressure_axis
 from studies.report.labels import TIP, model_label
 from studies.report.style import BELOW, BLUE, DPI, GREEN, VERMILION, figure_file, style_of
-from studies.scene.bellows import Scene
+from studies.scene.bellows import BellowsScene
 
 _CHAINS: Final = ("closed_form_printed", "closed_form", "closed_form_balanced", "closed_form_seat")
 
@@ -179,7 +179,7 @@ def _draw_bands(cases: Mapping[Axes, CaseResult]) -> list[Any]:
     return entry
 
 
-def _sizes(scene: Scene) -> str:
+def _sizes(scene: BellowsScene) -> str:
     g = scene.geometry
     shape = f"$R_i$ {g.root_radius_mm:g}, $R_p$ {g.crest_radius_mm:g}, $e$ {g.half_pitch_mm:g}, $n$ {g.convolutions}"
     return f"{shape}, DS {silicone_of(scene)[-2:]}"

@@ -8,13 +8,13 @@ from itertools import takewhile
 from typing import Final
 
 from studies.closed_form.chains import SILICONES
-from studies.models.run_log import Run
 from studies.paper.results import CaseResult
 from studies.report.curves import Curve
 from studies.report.labels import TIP, model_label
 from studies.results.files import PathRow
 from studies.results.rows import FOLDED_BACK, Row
-from studies.scene.bellows import Scene
+from studies.results.runs import Run
+from studies.scene.bellows import BellowsScene
 
 _PRINTED: Final = ("paper_closed_form", "paper_ansys", "paper_experiment")
 
@@ -92,11 +92,11 @@ def ending_of(run: Run) -> str:
     return f"stops at {last:.1f} kPa ({run.summary.cause or 'no cause given'}{where})"
 
 
-def name_of(scene: Scene) -> str:
+def name_of(scene: BellowsScene) -> str:
     """An actuator by its wall and root radius."""
     return f"t = {scene.geometry.wall_mm:g} mm, $R_i$ = {scene.geometry.root_radius_mm:g} mm"
 
 
-def silicone_of(scene: Scene) -> str:
+def silicone_of(scene: BellowsScene) -> str:
     """The paper's silicone that a scene's law stands for."""
     return SILICONES["dragon-skin-10" if scene.material.law == "yeoh" else "dragon-skin-30"]
