@@ -5,7 +5,7 @@ What the four actuators share (R_p, e, n) is held; lengths are in mm, pressures 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -16,9 +16,6 @@ from analytical.bellows import paper
 from analytical.bellows.chains import ClosedFormPath, closed_form
 from analytical.bellows.dimensions import BellowsDesigns
 from analytical.bellows.paper import LAWS, PaperActuator, Silicone
-from studies.closed_form.chains import SILICONES
-from studies.closed_form.effects import Effect
-from studies.closed_form.plots import MapPanel
 
 # Our choice of the range: the four actuators lie well inside, walls of one fold never touch (t < e).
 WALL_OVER_ROOT: Final = np.linspace(0.1, 0.5, 41)
@@ -48,6 +45,11 @@ class SiliconeMaps:
     plane: ClosedFormPath
     section: ClosedFormPath
 
+    @property
+    def modulus_kpa(self) -> float:
+        """Initial shear modulus."""
+        return 1e3 * self.plane.law.initial_shear_modulus_mpa
+
 
 def silicone_maps(silicone: Silicone) -> SiliconeMaps:
     """The corrected chain over the designs for a silicone; Dragon Skin 30 as in eq. (3)."""
@@ -75,48 +77,7 @@ def held_sizes() -> str:
     )
 
 
-def panels(effect: Effect, maps: Sequence[SiliconeMaps], actuators: Sequence[PaperActuator]) -> list[list[MapPanel]]:
-    """Rows of panels, one per silicone: the map at each pressure, then the section over the pressure."""
-    found = []
-    for one in maps:
-        places = {a.name.removeprefix("heung-"): _place(a) for a in actuators if a.silicone == one.silicone}
-        found.append([*_planes(effect, one, places), _section(effect, one, places)])
-    return found
-
-
-def _place(actuator: PaperActuator) -> tuple[float, float]:
-    """Where an actuator is on the map: t / R_i and R_p / R_i."""
-    d = actuator.dimensions
-    return d.wall_mm / d.root_radius_mm, d.crest_radius_mm / d.root_radius_mm
-
-
-def _planes(effect: Effect, one: SiliconeMaps, places: Mapping[str, tuple[float, float]]) -> list[MapPanel]:
-    modulus_kpa, percent = 1e3 * one.plane.law.initial_shear_modulus_mpa, effect.percent(one.plane)
-    return [
-        MapPanel(
-            title=f"{SILICONES[one.silicone]}, {pressure:g} kPa = {pressure / modulus_kpa:.3f} μ",
-            x_label="$t / R_i$",
-            y_label="$R_p / R_i$",
-            x=WALL_OVER_ROOT,
-            y=CREST_OVER_ROOT,
-            percent=percent[..., k].T,
-            unfolded=(pressure - one.plane.unfolding_pressure_kpa[..., 0]).T,
-            points=places,
-        )
-        for k, pressure in enumerate(MAP_PRESSURES_KPA)
-    ]
-
-
-def _section(effect: Effect, one: SiliconeMaps, places: Mapping[str, tuple[float, float]]) -> MapPanel:
-    modulus_kpa = 1e3 * one.section.law.initial_shear_modulus_mpa
-    return MapPanel(
-        title=f"{SILICONES[one.silicone]}, $R_p / R_i$ = {SECTION:g}",
-        x_label="$t / R_i$",
-        y_label="pressure / μ",
-        x=WALL_OVER_ROOT,
-        y=SWEEP_KPA / modulus_kpa,
-        percent=effect.percent(one.section).T,
-        unfolded=(SWEEP_KPA - one.section.unfolding_pressure_kpa).T,
-        lines={name: wall for name, (wall, crest) in places.items() if np.isclose(crest, SECTION)},
-        right_axis=(modulus_kpa, "pressure, kPa"),
-    )
+def places(silicone: Silicone, actuators: Sequence[PaperActuator]) -> dict[str, tuple[float, float]]:
+    """Where a silicone's actuators are on the map: t / R_i and R_p / R_i by short name."""
+    sizes = {a.name.removeprefix("heung-"): a.dimensions for a in actuators if a.silicone == silicone}
+    return {name: (d.wall_mm / d.root_radius_mm, d.crest_radius_mm / d.root_radius_mm) for name, d in sizes.items()}

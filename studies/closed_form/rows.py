@@ -21,17 +21,18 @@ from studies.closed_form.effects import EFFECTS
 from studies.report.labels import TIP
 from studies.results.rows import Row, row
 
-# Outputs of a chain beside its elongation, and their units.
-OUTPUTS: Final = {
-    "root_stretch": "1",
-    "root_inner_stretch": "1",
-    "wall_stretch": "1",
-    "half_pitch_deformed_mm": "mm",
-    "side_length_deformed_mm": "mm",
-    "angle_deg": "deg",
-    "extension_force_n": "N",
-    "resistive_force_n": "N",
-}
+# Outputs of a chain: quantity of the rows, unit, heading, decimals.
+OUTPUTS: Final = (
+    ("root_stretch", "1", "λ_y", 4),
+    ("root_inner_stretch", "1", "λ_i", 4),
+    ("wall_stretch", "1", "λ_a", 4),
+    ("half_pitch_deformed_mm", "mm", "a, mm", 3),
+    ("side_length_deformed_mm", "mm", "b, mm", 3),
+    ("angle_deg", "deg", "θ, °", 2),
+    (TIP, "mm", "elongation, mm", 2),
+    ("extension_force_n", "N", "extension force, N", 3),
+    ("resistive_force_n", "N", "resistive force, N", 3),
+)
 CORRECTION, CHANGE = "correction_effect_cm", "change_percent"
 # Elongations for which the pressure is requested, as shares of the elongation at 20 kPa.
 SHARES: Final = (0.25, 0.50, 0.75)
@@ -78,8 +79,9 @@ def _path_rows(actuator: PaperActuator, model: str, level: str, path: ClosedForm
             status=_status(str(path.state[k])),
         )
         rows.append(tip)
-    for name, unit in OUTPUTS.items():
-        rows += _over_pressures(actuator, name, unit, model, output(path, name), level)
+    for name, unit, _, _ in OUTPUTS:
+        if name != TIP:
+            rows += _over_pressures(actuator, name, unit, model, output(path, name), level)
     unfolding = float(path.unfolding_pressure_kpa[0])
     return [*rows, row(actuator.name, "unfolding_pressure_kpa", "kPa", math.nan, model, unfolding, level)]
 

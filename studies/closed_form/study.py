@@ -10,7 +10,7 @@ from analytical.bellows.paper import PaperActuator, actuators
 from studies.closed_form import materials, tables
 from studies.closed_form.chains import SILICONES
 from studies.closed_form.effects import EFFECTS, Effect
-from studies.closed_form.maps import SiliconeMaps, held_sizes, panels, silicone_maps
+from studies.closed_form.maps import SiliconeMaps, held_sizes, silicone_maps
 from studies.closed_form.plots import draw_chains, draw_maps, draw_stress_curves
 from studies.closed_form.rows import actuator_rows
 from studies.closed_form.sentences import overall, resting_on_saturation, unfolding, warnings, where_large
@@ -84,8 +84,7 @@ def _section(out: Path, actuator: PaperActuator, rows: Sequence[Row]) -> dict[st
 def _map(out: Path, effect: Effect, maps: Sequence[SiliconeMaps], four: Sequence[PaperActuator]) -> dict[str, Any]:
     """What the page shows of an effect; draws its maps on the way."""
     picture = f"pictures/validity-{effect.name}.png"
-    label = f"{effect.title}: change of the elongation, % of that of the corrected chain"
-    draw_maps(out / picture, panels(effect, maps, four), label)
+    draw_maps(out / picture, effect, maps, four)
     return {
         "title": effect.title,
         "words": effect.words,

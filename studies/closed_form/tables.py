@@ -13,35 +13,23 @@ from analytical.laws.isotropic import OGDEN_CONVENTIONS, OgdenConvention
 from analytical.laws.silicones import dragon_skin_30
 from studies.closed_form.chains import CHAINS, CUTS, PRESSURES_KPA, SHORT, SILICONES
 from studies.closed_form.effects import EFFECTS
-from studies.closed_form.rows import CHANGE, CORRECTION, LOADED, SHARES, share_text
+from studies.closed_form.rows import CHANGE, CORRECTION, LOADED, OUTPUTS, SHARES, share_text
 from studies.report.labels import TIP, model_label
 from studies.report.numbers import MISSING, signed, typeset
 from studies.report.tables import Column, Table, pivot, pressure_of, table_of
 from studies.results.rows import Row
 
 _PRINTED: Final = ("paper_closed_form", "paper_ansys", "paper_experiment")
-# Headings and decimals of a chain's outputs.
-_OUTPUTS: Final = (
-    ("root_stretch", "λ_y", 4),
-    ("root_inner_stretch", "λ_i", 4),
-    ("wall_stretch", "λ_a", 4),
-    ("half_pitch_deformed_mm", "a, mm", 3),
-    ("side_length_deformed_mm", "b, mm", 3),
-    ("angle_deg", "θ, °", 2),
-    (TIP, "elongation, mm", 2),
-    ("extension_force_n", "extension force, N", 3),
-    ("resistive_force_n", "resistive force, N", 3),
-)
 
 
 def summary(rows: Sequence[Row], actuators: Iterable[PaperActuator]) -> Table:
     """Elongation (mm) at 20 kPa of the three chains beside the printed numbers, state and unfolding pressure (kPa)."""
     silicones = {actuator.name: SILICONES[actuator.silicone] for actuator in actuators}
-    at_printed = [r for r in of_chains(rows) if r.quantity != TIP or r.pressure_kpa == PRINTED_PRESSURE_KPA]
+    at_printed = [r for r in _of_chains(rows) if r.quantity != TIP or r.pressure_kpa == PRINTED_PRESSURE_KPA]
     columns = [
         *_tips(),
         Column("closed form from its printed number, %", TIP, lambda r: signed(r.error_percent), "closed_form"),
-        Column("state", TIP, state_of, "closed_form"),
+        Column("state", TIP, _state, "closed_form"),
         Column("unfolds fully at, kPa", "unfolding_pressure_kpa", ".1f", "closed_form"),
     ]
     lines = {"actuator": lambda r: f"[{r.scene}](#{r.scene})", "silicone": lambda r: silicones[r.scene]}
@@ -62,18 +50,18 @@ def chain_table(rows: Iterable[Row]) -> Table:
 
 def output_table(rows: Iterable[Row]) -> Table:
     """Every output of the three chains for an actuator, a line per chain and pressure (kPa)."""
-    columns = [Column(heading, name, _fixed(digits)) for name, heading, digits in _OUTPUTS]
+    columns = [Column(heading, name, _fixed(digits)) for name, _, heading, digits in OUTPUTS]
     lines = {"chain": lambda r: SHORT[r.model], "pressure, kPa": pressure_of}
-    computed = (r for r in of_chains(rows) if r.model in CHAINS)
-    return pivot(computed, lines, [*columns, Column("state", TIP, state_of)], left=(0, 2 + len(columns)))
+    computed = (r for r in _of_chains(rows) if r.model in CHAINS)
+    return pivot(computed, lines, [*columns, Column("state", TIP, _state)], left=(0, 2 + len(columns)))
 
 
-def of_chains(rows: Iterable[Row]) -> list[Row]:
+def _of_chains(rows: Iterable[Row]) -> list[Row]:
     """Rows of the chains themselves and of the print: no other cut, no blocked tip, no share."""
     return [r for r in rows if r.level in ("", "mean")]
 
 
-def state_of(row: Row) -> str:
+def _state(row: Row) -> str:
     """State of a chain at a row's pressure."""
     return row.status.removeprefix("reached").removeprefix(", ") or "folded"
 

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from analytical.arrays import BoolArray, FloatArray
-from analytical.bellows.fit.masses import Fittings, mass_allowed, rings_g, silicone_g
+from analytical.bellows.fit.masses import mass_allowed, rings_g, silicone_g
 from analytical.bellows.fit.members import (
     BALANCED_CHAIN,
     CORRECTED_CHAIN,
@@ -28,7 +28,7 @@ from analytical.bellows.fit.refine import refine
 from analytical.bellows.fit.search import Grid, search
 from analytical.bellows.paper import FAMILIES, InferredFamily, PaperActuator, actuators
 from studies.dimensions.cases import Steps
-from studies.dimensions.scenes import buildable, scene_of, standard_fittings
+from studies.dimensions.scenes import FITTINGS, buildable, scene_of
 from studies.models.build import masses_g
 from studies.scene.meshes import scene_meridian
 
@@ -63,22 +63,24 @@ class ChainFit:
 
 @dataclass(frozen=True, eq=False)
 class RuleOnGrid:
-    """What the rule picks on a grid, with and without the filter that a set can be built.
+    """What the rule picks on a grid.
 
     Attributes
     ----------
     step_mm
         Of the grid.
+    shapes
+        Picked from ``any shape``, or from what is ``buildable``.
     candidates
-        Members with one silicone per wall thickness and allowed mass.
-    any_shape, buildable
-        The picks among them, one member each or none.
+        How many have one silicone per wall thickness and an allowed mass.
+    pick
+        One member or none.
     """
 
     step_mm: float
-    candidates: Members
-    any_shape: Members
-    buildable: Members
+    shapes: str
+    candidates: int
+    pick: Members
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,8 +146,6 @@ class Fit:
         The best continuous dimensions of each silicones, order and n.
     picks, sets
         What is picked from what; the three sets one by one.
-    fittings
-        What completes the wall to an actuator.
     rules, chains
         The rule on the drawing's and finer grids; the fit with the corrected chain and with others.
     """
@@ -157,7 +157,6 @@ class Fit:
     refined: Members
     picks: Picks
     sets: tuple[PickedSet, ...]
-    fittings: Fittings
     rules: tuple[RuleOnGrid, ...]
     chains: tuple[ChainFit, ...]
 
@@ -174,13 +173,13 @@ class Fit:
 
 def fit(steps: Steps) -> Fit:
     """Search, weigh, pick, refine, compare; seconds."""
-    fittings, picks = standard_fittings(), pick_sets(steps.drawing_mm)
+    picks = pick_sets(steps.drawing_mm)
     grid = Grid.regular(steps.search_mm)
     near = search(grid, within=REFINE_WITHIN)
     fitting = near.take(near.worst_error <= WITHIN)
     refined = refine(near)
     refined = refined.take(refined.worst_error <= WITHIN)
-    silicone = silicone_g(fitting, fittings)
+    silicone = silicone_g(fitting, FITTINGS)
     # nothing beyond the reference's own R_p can have a smaller wall stretch
     mould = Grid.regular(steps.mould_mm, crest_to_mm=picks.sets.crest_radius_mm[0], half_pitch_to_mm=10.0)
     on_grids = ((steps.drawing_mm, picks.drawn), (steps.search_mm, fitting), (steps.mould_mm, search(mould)))
@@ -190,20 +189,19 @@ def fit(steps: Steps) -> Fit:
         grid=grid,
         fitting=fitting,
         allowed=mass_allowed(silicone),
-        allowed_with_rings=mass_allowed(silicone + rings_g(fitting, fittings)),
+        allowed_with_rings=mass_allowed(silicone + rings_g(fitting, FITTINGS)),
         refined=refined,
         picks=picks,
         sets=tuple(_picked_set(*of_set) for of_set in zip(SET_NAMES, each(picks.sets), picks.families, strict=True)),
-        fittings=fittings,
-        rules=tuple(_rule(step_mm, found, fittings) for step_mm, found in on_grids),
-        chains=(corrected, *(_chain_fit(chain, grid, steps.drawing_mm, fittings) for chain in others)),
+        rules=tuple(rule for on_grid in on_grids for rule in _rules(*on_grid)),
+        chains=(corrected, *(_chain_fit(chain, grid, steps.drawing_mm) for chain in others)),
     )
 
 
 def pick_sets(step_mm: float = Steps.drawing_mm) -> Picks:
     """The reference and the alternates, by the rule of `bellows.fit.picks`, on a drawing's grid and buildable."""
     drawn = search(Grid.regular(step_mm))
-    admissible = mass_allowed(silicone_g(drawn, standard_fittings())) & buildable(drawn)
+    admissible = mass_allowed(silicone_g(drawn, FITTINGS)) & buildable(drawn)
     candidates = drawn.take(admissible)
     chosen = reference(candidates)
     sets = candidates.take(np.array([chosen, *alternates(candidates, chosen)]))
@@ -231,15 +229,20 @@ def _picked_set(name: str, member: Members, family: InferredFamily) -> PickedSet
     return PickedSet(name, member, four, np.array([masses_g(scene, scene_meridian(scene, 1)) for scene in scenes]))
 
 
-def _rule(step_mm: float, fitting: Members, fittings: Fittings) -> RuleOnGrid:
-    candidates = fitting.take(fitting.one_silicone_per_wall & mass_allowed(silicone_g(fitting, fittings)))
-    return RuleOnGrid(step_mm, candidates, _picked(candidates), _picked(candidates.take(buildable(candidates))))
+def _rules(step_mm: float, fitting: Members) -> tuple[RuleOnGrid, RuleOnGrid]:
+    """The rule on a grid, without and with the filter that a set can be built."""
+    candidates = fitting.take(fitting.one_silicone_per_wall & mass_allowed(silicone_g(fitting, FITTINGS)))
+    built = candidates.take(buildable(candidates))
+    return (
+        RuleOnGrid(step_mm, "any shape", len(candidates), _picked(candidates)),
+        RuleOnGrid(step_mm, "buildable", len(candidates), _picked(built)),
+    )
 
 
-def _chain_fit(chain: Chain, grid: Grid, drawing_mm: float, fittings: Fittings) -> ChainFit:
+def _chain_fit(chain: Chain, grid: Grid, drawing_mm: float) -> ChainFit:
     members = search(grid, chain)
     in_order = members.take(members.order == TEXT_ORDER)
     best = refine(first(in_order.take(np.argsort(in_order.worst_error))), chain)
     drawn = search(Grid.regular(drawing_mm), chain)
-    drawn = drawn.take((drawn.order == TEXT_ORDER) & mass_allowed(silicone_g(drawn, fittings)))
+    drawn = drawn.take((drawn.order == TEXT_ORDER) & mass_allowed(silicone_g(drawn, FITTINGS)))
     return ChainFit(chain.label, members, best, _picked(drawn.take(buildable(drawn)), chain))

@@ -10,7 +10,7 @@ import numpy as np
 
 from analytical.arrays import FloatArray
 from analytical.bellows.chains import closed_form
-from analytical.bellows.fit.masses import Fittings, silicone_g
+from analytical.bellows.fit.masses import silicone_g
 from analytical.bellows.fit.members import (
     BALANCED_CHAIN,
     CORRECTED_CHAIN,
@@ -25,9 +25,7 @@ from analytical.bellows.loads import held_tip
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA
 from studies.closed_form.chains import PRESSURES_KPA
 from studies.dimensions.fit import Fit
-
-Measure = Callable[[Members, Fittings], FloatArray]
-_FULL: Final = PRINTED_PRESSURE_KPA
+from studies.dimensions.scenes import FITTINGS
 
 
 @dataclass(frozen=True)
@@ -50,7 +48,7 @@ class Quantity:
     unit: str
     label: str
     model: str
-    measure: Measure
+    measure: Callable[[Members], FloatArray]
     pressure_kpa: float = np.nan
 
     @property
@@ -70,15 +68,12 @@ class Prediction:
 
 def predictions(found: Fit) -> list[Prediction]:
     """Every quantity of all members and of the picked sets."""
-    return [
-        Prediction(q, q.measure(found.members, found.fittings), q.measure(found.picks.sets, found.fittings))
-        for q in QUANTITIES
-    ]
+    return [Prediction(q, q.measure(found.members), q.measure(found.picks.sets)) for q in QUANTITIES]
 
 
-def rest_length_mm(members: Members, fittings: Fittings) -> FloatArray:
+def rest_length_mm(members: Members) -> FloatArray:
     """Length at rest, 2 n e and two collars without the cap, shape (m, 4), mm."""
-    length = 2.0 * members.convolutions * members.half_pitch_mm + 2.0 * fittings.collar_mm
+    length = 2.0 * members.convolutions * members.half_pitch_mm + 2.0 * FITTINGS.collar_mm
     return np.repeat(length[:, None], len(WALLS_MM), axis=1)
 
 
@@ -87,44 +82,25 @@ def unfolding_kpa(members: Members) -> FloatArray:
     return per_actuator(members, lambda d, law: closed_form(d, law, 0.0).unfolding_pressure_kpa[:, 0])
 
 
-def _blocked_n(members: Members, _: Fittings) -> FloatArray:
-    return per_actuator(members, lambda d, law: held_tip(d, law, PRINTED_PRESSURE_KPA).tip_force_n[:, 0])
+def blocked_n(members: Members) -> FloatArray:
+    """Force at the blocked tip at 20 kPa, by the corrected chain, shape (m, 4), N."""
+    return per_actuator(members, lambda d, law: held_tip(d, law, _FULL).tip_force_n[:, 0])
 
 
-def _tips(pressure_kpa: float, chain: Chain = CORRECTED_CHAIN) -> Measure:
-    return lambda members, _: tip_mm(members, pressure_kpa, chain)
+def _tip(kpa: float, model: str, chain: Chain) -> Quantity:
+    label = f"elongation at {kpa:g} kPa, {chain.label}"
+    return Quantity("tip_mm", "mm", label, model, lambda members: tip_mm(members, kpa, chain), kpa)
 
 
 # What is compared between the members, in the order of the report.
+_FULL: Final = PRINTED_PRESSURE_KPA
+_UNFOLDING, _STRETCH = "full unfolding, corrected chain", "wall stretch at 20 kPa, corrected chain"
 QUANTITIES: Final = (
-    *(
-        Quantity("tip_mm", "mm", f"elongation at {p:g} kPa, corrected chain", "closed_form", _tips(p), p)
-        for p in PRESSURES_KPA[:-1]
-    ),
-    Quantity(
-        "tip_mm",
-        "mm",
-        "elongation at 20 kPa, balanced chain",
-        "closed_form_balanced",
-        _tips(_FULL, BALANCED_CHAIN),
-        _FULL,
-    ),
-    Quantity(
-        "unfolding_pressure_kpa",
-        "kPa",
-        "full unfolding, corrected chain",
-        "closed_form",
-        lambda members, _: unfolding_kpa(members),
-    ),
-    Quantity(
-        "wall_stretch",
-        "1",
-        "wall stretch at 20 kPa, corrected chain",
-        "closed_form",
-        lambda members, _: wall_stretch(members),
-        _FULL,
-    ),
-    Quantity("tip_force_n", "N", "force at the blocked tip, 20 kPa", "closed_form", _blocked_n, _FULL),
-    Quantity("silicone_g", "g", "silicone body, estimate", "estimate", silicone_g),
+    *(_tip(kpa, "closed_form", CORRECTED_CHAIN) for kpa in PRESSURES_KPA[:-1]),
+    _tip(_FULL, "closed_form_balanced", BALANCED_CHAIN),
+    Quantity("unfolding_pressure_kpa", "kPa", _UNFOLDING, "closed_form", unfolding_kpa),
+    Quantity("wall_stretch", "1", _STRETCH, "closed_form", wall_stretch, _FULL),
+    Quantity("tip_force_n", "N", "force at the blocked tip, 20 kPa", "closed_form", blocked_n, _FULL),
+    Quantity("silicone_g", "g", "silicone body, estimate", "estimate", lambda members: silicone_g(members, FITTINGS)),
     Quantity("rest_length_mm", "mm", "length at rest", "estimate", rest_length_mm),
 )

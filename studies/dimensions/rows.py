@@ -17,6 +17,7 @@ from analytical.bellows.paper import PRINTED_PRESSURE_KPA, SOURCE, PaperActuator
 from studies.closed_form.chains import CHAINS, PRESSURES_KPA, printed_mm
 from studies.dimensions.fit import Fit
 from studies.dimensions.predictions import Prediction, rest_length_mm
+from studies.dimensions.scenes import FITTINGS
 from studies.report.labels import TIP
 from studies.results.rows import REACHED, Row, row
 
@@ -90,9 +91,9 @@ def members_csv(found: Fit) -> str:
         **{f"error_percent_{name}": _texts(errors[:, j], ".3f") for j, name in enumerate(_SHORT)},
         "worst_error_percent": _texts(100.0 * members.worst_error, ".3f"),
         "largest_wall_stretch": _texts(wall_stretch(members).max(axis=1), ".4f"),
-        "rest_length_mm": _texts(rest_length_mm(members, found.fittings)[:, 0], "g"),
-        "silicone_g": _texts(silicone_g(members, found.fittings).mean(axis=1), ".2f"),
-        "rings_g": _texts(rings_g(members, found.fittings).mean(axis=1), ".2f"),
+        "rest_length_mm": _texts(rest_length_mm(members)[:, 0], "g"),
+        "silicone_g": _texts(silicone_g(members, FITTINGS).mean(axis=1), ".2f"),
+        "rings_g": _texts(rings_g(members, FITTINGS).mean(axis=1), ".2f"),
         "mass_allowed": ["yes" if allowed else "no" for allowed in found.allowed],
         "mass_with_rings_allowed": ["yes" if allowed else "no" for allowed in found.allowed_with_rings],
     }

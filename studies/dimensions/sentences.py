@@ -39,10 +39,10 @@ def runners_up(found: Fit) -> str:
 
 def finer_grids(found: Fit) -> str:
     """What the rule would win without a drawing's grid."""
-    drawn, *finer = found.rules
-    if not len(drawn.buildable):
+    drawn, *finer = (rule for rule in found.rules if rule.shapes == "buildable")
+    if not len(drawn.pick):
         return "Nothing on the drawing's grid can be built."
-    parts = (f"steps of {rule.step_mm:g} mm {_gain(rule.buildable, drawn.buildable)}" for rule in finer)
+    parts = (f"steps of {rule.step_mm:g} mm {_gain(rule.pick, drawn.pick)}" for rule in finer)
     return f"Of what can be built, {'; '.join(parts)}."
 
 

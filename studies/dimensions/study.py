@@ -19,7 +19,7 @@ from studies.dimensions.cases import Steps, cases
 from studies.dimensions.fit import Fit, Picks, fit
 from studies.dimensions.predictions import Prediction, predictions, unfolding_kpa
 from studies.dimensions.rows import fit_rows, members_csv
-from studies.dimensions.scenes import scene_of, write_scenes
+from studies.dimensions.scenes import FILLET_MM, SEAT_MM, write_scenes
 from studies.engine import Bar, Page, Setting, Solved, Study
 from studies.results import provenance
 from studies.results.files import write_text_atomically
@@ -68,8 +68,8 @@ def content(steps: Steps, found: Fit, predicted: Sequence[Prediction]) -> dict[s
         "within": f"{100.0 * WITHIN:g}",
         "steps": steps,
         "density": SILICONE_DENSITY_G_CM3,
-        "fillet": scene_of(found.sets[0].actuators[0]).geometry.fillet_mm,
-        "seat": found.fittings.seat_mm,
+        "fillet": FILLET_MM,
+        "seat": SEAT_MM,
         "mass_window": sentences.mass_window(),
         "printed_mass": PRINTED_MASS_G,
         "thin_share": f"{100.0 * np.mean(thin_larger <= PRINTED_PRESSURE_KPA):.1f}",

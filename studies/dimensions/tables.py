@@ -17,7 +17,7 @@ from studies.closed_form.chains import CHAINS, path_of, printed_mm
 from studies.dimensions.fit import ACTUATORS, SET_NAMES, ChainFit, Fit, PickedSet, RuleOnGrid, each
 from studies.dimensions.predictions import Prediction, rest_length_mm, unfolding_kpa
 from studies.dimensions.rows import extremes
-from studies.dimensions.scenes import buildable
+from studies.dimensions.scenes import FITTINGS, buildable
 from studies.report.numbers import MISSING, signed, typeset
 from studies.report.tables import Table, table_of
 
@@ -62,7 +62,7 @@ def sets(found: Fit) -> Table:
         "set": lambda s: s.name,
         **_of_part(lambda s: s.member, _MEMBER),
         "largest wall stretch": lambda s: f"{wall_stretch(s.member).max():.2f}",
-        "length at rest, mm": lambda s: f"{rest_length_mm(s.member, found.fittings)[0, 0]:g}",
+        "length at rest, mm": lambda s: f"{rest_length_mm(s.member)[0, 0]:g}",
         "mean silicone, g": lambda s: f"{s.meshed_g[:, 0].mean():.1f}",
         "with rings, g": lambda s: f"{s.meshed_g.mean(axis=0).sum():.1f}",
         "unfolded at 20 kPa": unfolded,
@@ -139,7 +139,7 @@ def masses(found: Fit) -> Table:
     """Masses of the picked sets: the estimate that the criterion uses, the meshed outline, the rings."""
     lines = []
     for of_set in found.sets:
-        estimate = silicone_g(of_set.member, found.fittings)[0]
+        estimate = silicone_g(of_set.member, FITTINGS)[0]
         grams = np.column_stack([estimate, of_set.meshed_g, of_set.meshed_g.sum(axis=1)])
         names = [*(actuator.name for actuator in of_set.actuators), "mean of the four"]
         for name, line in zip(names, [*grams, grams.mean(axis=0)], strict=True):
@@ -156,7 +156,7 @@ def what_fits(found: Fit) -> Table:
     lines = []
     for silicone in np.unique(every.silicone, axis=0):
         best = found.refined.take(of_silicone(found.refined, silicone))
-        silicone_mass, ring_mass = (of(best, found.fittings)[0].mean() for of in (silicone_g, rings_g))
+        silicone_mass, ring_mass = (of(best, FITTINGS)[0].mean() for of in (silicone_g, rings_g))
         lines.append(
             (
                 silicones_text(silicone),
@@ -185,13 +185,12 @@ def _counts(found: Fit, fitting: BoolArray, drawn: BoolArray) -> tuple[str, ...]
 
 def candidates(found: Fit) -> Table:
     """Sets on the drawing's grid with one silicone per wall thickness, by wall stretch."""
-    fittings = found.fittings
     members = found.picks.drawn.take(found.picks.drawn.one_silicone_per_wall)
     stretch = np.round(wall_stretch(members).max(axis=1), 9)
     families = dict(zip(SET_NAMES, found.picks.families, strict=True))
 
     def estimate(member: Members) -> str:
-        mass_g = silicone_g(member, fittings)
+        mass_g = silicone_g(member, FITTINGS)
         return f"{mass_g.mean():.1f}{'' if mass_allowed(mass_g)[0] else ' (outside)'}"
 
     def picked_as(member: Members) -> str:
@@ -201,7 +200,7 @@ def candidates(found: Fit) -> Table:
         **_MEMBER,
         "largest wall stretch": lambda m: f"{wall_stretch(m).max():.3f}",
         "silicone (estimate), g": estimate,
-        "with rings, g": lambda m: f"{silicone_g(m, fittings).mean() + rings_g(m, fittings).mean():.1f}",
+        "with rings, g": lambda m: f"{silicone_g(m, FITTINGS).mean() + rings_g(m, FITTINGS).mean():.1f}",
         "buildable": lambda m: "yes" if buildable(m)[0] else "no",
         "picked as": picked_as,
     }
@@ -211,14 +210,13 @@ def candidates(found: Fit) -> Table:
 
 def rules(found: Fit) -> Table:
     """What the rule picks on finer grids."""
-    columns: dict[str, Callable[[tuple[RuleOnGrid, str, Members]], str]] = {
-        "step, mm": lambda r: f"{r[0].step_mm:g}",
-        "filter": lambda r: r[1],
-        "candidates": lambda r: f"{len(r[0].candidates)}",
-        **_of_part(lambda r: r[2], {**_LENGTHS, "largest wall stretch": lambda m: f"{wall_stretch(m).max():.3f}"}),
+    columns: dict[str, Callable[[RuleOnGrid], str]] = {
+        "step, mm": lambda r: f"{r.step_mm:g}",
+        "filter": lambda r: r.shapes,
+        "candidates": lambda r: f"{r.candidates}",
+        **_of_part(lambda r: r.pick, {**_LENGTHS, "largest wall stretch": lambda m: f"{wall_stretch(m).max():.3f}"}),
     }
-    filters = ((r, *pick) for r in found.rules for pick in (("any shape", r.any_shape), ("buildable", r.buildable)))
-    return table_of(filters, columns, left=(1,))
+    return table_of(found.rules, columns, left=(1,))
 
 
 def chains(found: Fit) -> Table:

@@ -20,7 +20,7 @@ from analytical.bellows.reading import BALANCED
 from studies.dimensions.cases import Steps
 from studies.dimensions.fit import Fit, Picks, fit, pick_sets
 from studies.dimensions.predictions import QUANTITIES
-from studies.dimensions.scenes import buildable, scene_of, standard_fittings, write_scenes
+from studies.dimensions.scenes import FITTINGS, buildable, scene_of, write_scenes
 from studies.dimensions.study import STUDY, keep_scenes, recorded
 from studies.engine import Setting, run
 from studies.models.build import masses_g
@@ -46,10 +46,10 @@ def test_the_rule_picks_the_recorded_sets() -> None:
 
 
 def test_recorded_sets_may_weigh_what_they_do_with_and_without_rings() -> None:
-    members, fittings = members_of(FAMILIES), standard_fittings()
-    silicone = silicone_g(members, fittings)
+    members = members_of(FAMILIES)
+    silicone = silicone_g(members, FITTINGS)
     assert mass_allowed(silicone).all()
-    assert mass_allowed(silicone + rings_g(members, fittings)).all()
+    assert mass_allowed(silicone + rings_g(members, FITTINGS)).all()
 
 
 @every_actuator
@@ -57,12 +57,12 @@ def test_estimated_mass_against_the_mesh(actuator) -> None:
     scene = scene_of(actuator)
     family = next(f for f in FAMILIES if actuator in actuators(f))
     column = [a.name for a in actuators(family)].index(actuator.name)
-    members, fittings = members_of((family,)), standard_fittings()
+    members = members_of((family,))
     silicone, rings = masses_g(scene, scene_meridian(scene, 1))
     # sharp corners for arcs: 12 % at the worst, where arcs of a 2 mm wall fill the half pitch
-    assert silicone_g(members, fittings)[0, column] == pytest.approx(silicone, rel=0.12)
+    assert silicone_g(members, FITTINGS)[0, column] == pytest.approx(silicone, rel=0.12)
     # edges of 0.5 mm radius are rounded off the rings: 0.11 of 8 mm2, nearer the outside
-    assert rings_g(members, fittings)[0, column] == pytest.approx(rings, rel=0.02)
+    assert rings_g(members, FITTINGS)[0, column] == pytest.approx(rings, rel=0.02)
 
 
 def test_what_can_be_built() -> None:
@@ -113,7 +113,7 @@ def test_scene_files_say_what_is_printed_inferred_and_chosen(root) -> None:
 
 def test_predictions_against_single_actuators() -> None:
     members = members_of(FAMILIES)
-    found = {q.label: q.measure(members, standard_fittings()) for q in QUANTITIES}
+    found = {q.label: q.measure(members) for q in QUANTITIES}
     for k, family in enumerate(FAMILIES):
         for j, actuator in enumerate(actuators(family)):
             d, law = actuator.dimensions, actuator.law
@@ -206,8 +206,8 @@ def test_members_file_lists_all_sets_that_fit(folder: Path, found: Fit) -> None:
 
 @pytest.mark.slow
 def test_a_finer_grid_moves_the_pick_to_the_bound(found: Fit) -> None:
-    coarse, middle, fine = found.rules
-    for rule in (coarse, middle):
-        assert rule.buildable.family(0) == REFERENCE_FAMILY
+    coarse, middle, fine = (rule.pick for rule in found.rules if rule.shapes == "buildable")
+    for pick in (coarse, middle):
+        assert pick.family(0) == REFERENCE_FAMILY
     # "at the bound": within half a percent of it
-    assert fine.buildable.worst_error[0] > WITHIN - 0.005
+    assert fine.worst_error[0] > WITHIN - 0.005
