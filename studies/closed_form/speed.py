@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
+import click
 import numpy as np
 import threadpoolctl
 
@@ -22,7 +23,7 @@ from studies.closed_form.chains import CHAINS, SILICONES
 from studies.closed_form.one_by_one import elongation_by_equations_mm, error_text
 from studies.engine import Page, Setting, Solved, Study
 from studies.report.labels import model_label
-from studies.report.tables import table_of
+from studies.report.tables import as_text, table_of
 from studies.results.rows import Row, row
 
 DESIGNS: Final = 2000
@@ -137,13 +138,15 @@ def page(solved: Sequence[Measured], at: Setting) -> Page:
         "median error": lambda s: error_text(s.result.median_error),
         f"goal {GOAL_PER_SECOND:g}/s at {GOAL_ERROR:g}": lambda s: "met" if meets_goals(s.result) else "missed",
     }
+    speeds = table_of(solved, columns, left=(0, 1, 7))
+    click.echo(as_text(speeds))
     content = {
         "designs": DESIGNS,
         "ranges": "; ".join(f"{name} {low:g} to {high:g}" for name, (low, high) in RANGES.items()),
         "pressures": PRESSURES_KPA,
         "repetitions": REPETITIONS,
         "sample": SAMPLE,
-        "speeds": table_of(solved, columns, left=(0, 1, 7)),
+        "speeds": speeds,
     }
     return Page([entry for one in solved for entry in rows(one)], content)
 

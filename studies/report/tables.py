@@ -115,3 +115,16 @@ def table_of(records: Iterable[T], columns: Mapping[str, Callable[[T], str]], le
 def facts_table(facts: Mapping[str, str]) -> Table:
     """Facts by their names, such as what a study was made with."""
     return Table(("what", "value"), tuple((name, value or MISSING) for name, value in facts.items()), left=(0, 1))
+
+
+def as_text(table: Table) -> str:
+    """A table for a terminal, its columns lined up."""
+    lines = [table.header, *table.rows]
+    widths = [max(len(line[column]) for line in lines) for column in range(len(table.header))]
+    return "\n".join(
+        "  ".join(
+            text.ljust(width) if column in table.left else text.rjust(width)
+            for column, (text, width) in enumerate(zip(line, widths, strict=True))
+        ).rstrip()
+        for line in lines
+    )

@@ -20,7 +20,7 @@ from studies.closed_form.one_by_one import elongation_by_equations_mm
 from studies.closed_form.rows import actuator_rows, chain_rows
 from studies.closed_form.study import STUDY
 from studies.engine import run
-from studies.report.tables import Table
+from studies.report.tables import Table, as_text
 from studies.results.rows import Row, read_rows
 from studies.verification import two_routes
 
@@ -211,6 +211,11 @@ def test_benchmark_designs_repeat_and_stay_in_range() -> None:
     assert np.array_equal(one.root_radius_mm, other.root_radius_mm)
     ratio = np.asarray(one.wall_mm) / np.asarray(one.root_radius_mm)
     assert ratio.min() >= speed.RANGES["t/R_i"][0] and ratio.max() <= speed.RANGES["t/R_i"][1]
+
+
+def test_table_as_text_lines_up() -> None:
+    text = as_text(Table(("name", "number"), (("a", "1"), ("longer", "12")), left=(0,)))
+    assert text.splitlines() == ["name    number", "a            1", "longer      12"]
 
 
 def test_benchmark_report_names_speed_and_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
