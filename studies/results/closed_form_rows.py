@@ -21,7 +21,7 @@ Chain = Callable[[BellowsDimensions, Law, float], ClosedFormPath]
 
 
 def closed_form_values(scene: BellowsScene, pressure_kpa: float) -> list[tuple[str, float, str]]:
-    """(model, main quantity, status) of the closed form: its chains, and the mended one with the free half pitch."""
+    """(model, main quantity, status) of the closed form: its chains, and the corrected one with the free half pitch."""
     if scene.load.sense < 0.0:
         return []  # it has no vacuum
     nominal = dimensions_of(scene)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 import json
-import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
 from solvers.files import write_atomically
+from studies.results.records import read_records, write_records
 
 PATH_FILE, SUMMARY_FILE, FIELDS_FOLDER = "path.csv", "summary.json", "fields"
 
@@ -113,18 +112,12 @@ def write_text_atomically(path: Path, text: str) -> None:
 
 def write_path(folder: Path, rows: Iterable[PathRow]) -> None:
     """Write path.csv."""
-    lines = [",".join(PATH_COLUMNS)]
-    for row in rows:
-        lines.append(",".join(_text(getattr(row, name)) for name in PATH_COLUMNS))
-    write_text_atomically(folder / PATH_FILE, "\n".join(lines) + "\n")
+    write_records(folder / PATH_FILE, PathRow, rows, 12)
 
 
 def read_path(folder: Path) -> list[PathRow]:
     """Read path.csv."""
-    kinds: dict[str, Callable[[str], Any]] = {"float": _number, "int": int, "str": str}
-    convert = {f.name: kinds[str(f.type)] for f in fields(PathRow)}
-    with (folder / PATH_FILE).open(newline="", encoding="utf-8") as stream:
-        rows = [PathRow(**{k: convert[k](v) for k, v in entry.items()}) for entry in csv.DictReader(stream)]
+    rows = read_records(folder / PATH_FILE, PathRow)
     # ``asked`` is the status's name before 0.2
     return [replace(row, status="requested") if row.status == "asked" else row for row in rows]
 
@@ -140,13 +133,3 @@ def read_summary(folder: Path) -> RunSummary:
     if "rung" in data:  # the key's name before 0.2
         data["model"] = data.pop("rung")
     return RunSummary(**{**data, "plan": tuple(data["plan"])})
-
-
-def _number(text: str) -> float:
-    return float(text) if text else math.nan
-
-
-def _text(value: float | int | str) -> str:
-    if isinstance(value, float):
-        return "" if math.isnan(value) else f"{value:.12g}"
-    return str(value)

@@ -134,9 +134,7 @@ def _compared(
         reference, source = compared
         rows.append(row(scene, quantity, unit, pressure, "closed_form", model, reference=reference, source=source))
     for entry in found:
-        reference, source = (math.nan, entry.place) if entry is finest else compared
-        rows.append(
-            row(scene, quantity, unit, pressure, "axisymmetric", entry.value, entry.run.summary.level,
-                bound.uncertainty(entry.value), reference, source, entry.status)
-        )  # fmt: skip
+        against = (math.nan, entry.place) if entry is finest else compared
+        at = (scene, quantity, unit, pressure, "axisymmetric", entry.value, entry.run.summary.level)
+        rows.append(row(*at, bound.uncertainty(entry.value), *against, entry.status))
     return rows
