@@ -173,7 +173,7 @@ study-contact: check ## contact: exact problems, folds that touch, 1 mm actuator
 
 .PHONY: study-vacuum
 study-vacuum: check ## scenes/vacuum: what bellows contract to, with contact of their folds -> results/vacuum
-	$(PY) -m studies.vacuum.study --out results/vacuum
+	$(PY) -m studies study vacuum --out results/vacuum
 
 .PHONY: study-smoke
 study-smoke: check ## two convolutions by every model, in a minute -> results/study-smoke
@@ -210,7 +210,7 @@ study-stacks: check ## as root: the same rows on three stacks, and what each cos
 	$(PY) -m studies.stacks.study $(STACKS:%=results/stacks/%) --out results/stacks
 
 .PHONY: study-closed-form
-study-closed-form: check ## chains, mends, validity, laws and exact solutions -> results/closed-form
+study-closed-form: check ## chains, corrections, validity, laws and exact solutions -> results/closed-form
 	$(PY) -m studies closed-form --out results/closed-form
 
 .PHONY: benchmark-closed-form

@@ -18,9 +18,10 @@ from typing import Any
 import click
 from mpi4py import MPI
 
-from analytical.bellows import BellowsError
+from analytical.bellows.dimensions import BellowsError
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
+from studies.command.study import study
 from studies.models import session
 from studies.planning.bellows import SECTOR_LEVELS, plan_bellows
 from studies.planning.error_model import ROUNDS, cells_of
@@ -369,7 +370,7 @@ def verification_command(out: Path, reuse: Path | None) -> None:
 @main.command("closed-form")
 @OUT_OPTION
 def closed_form(out: Path) -> None:
-    """Write the report of the closed form: chains, mends, validity, material laws, exact solutions."""
+    """Write the report of the closed form: chains, corrections, validity, material laws, exact solutions."""
     from studies.closed_form import study as closed_form_study
 
     _writable(out)
@@ -383,7 +384,7 @@ def closed_form(out: Path) -> None:
 def dimensions_command(out: Path, write_scenes: bool) -> None:
     """Find the dimensions that meet the paper's closed-form numbers and pick three sets of them.
 
-    The exit code is 3 if the picks are not those that analytical/paper.py records; scenes/ is then left alone.
+    The exit code is 3 if the picks are not those that analytical/bellows/paper.py records; scenes/ is then left alone.
     """
     from studies.dimensions import scenes as dimension_scenes
     from studies.dimensions import study as dimensions
@@ -394,7 +395,9 @@ def dimensions_command(out: Path, write_scenes: bool) -> None:
     picks = dimensions.write_study(out).picks
     click.echo(f"report: {out / 'report.html'}")
     if not picks.as_recorded:
-        click.echo(f"analytical/paper.py: FAMILIES is not what the rule picks, {picks.families}: edit it", err=True)
+        click.echo(
+            f"analytical/bellows/paper.py: FAMILIES is not what the rule picks, {picks.families}: edit it", err=True
+        )
         sys.exit(STOPPED)
     if write_scenes:
         for path in dimension_scenes.write_scenes(provenance.ROOT / "scenes", picks.families):
@@ -436,7 +439,7 @@ def report(folder: Path) -> None:
 
 def _report(folder: Path) -> None:
     from studies.paper import study as paper_study
-    from studies.report import scene_page as scene_report
+    from studies.report.scene_page import render_scenes
     from studies.verification.exact import render_exact
 
     if (folder / "core").is_dir():
@@ -450,11 +453,14 @@ def _report(folder: Path) -> None:
     exact = [p for p in folders if isinstance(kept_scene(p / session.SCENE_FILE), BodyScene)]
     bellows = [p for p in folders if p not in exact]
     if bellows:
-        click.echo(f"report: {scene_report.render(folder, TITLE, INTRODUCTION, bellows)}")
+        click.echo(f"report: {render_scenes(folder, TITLE, INTRODUCTION, bellows)}")
     if exact:  # beside bellows, a page of its own
         place = folder / "exact" if bellows else folder
         place.mkdir(exist_ok=True)
         click.echo(f"report: {render_exact(place, exact)}")
+
+
+main.add_command(study)
 
 
 def _end_all_ranks(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:

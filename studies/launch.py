@@ -1,13 +1,20 @@
-"""Child processes on MPI ranks of their own: the launcher, its settings, their environment."""
+"""Child processes on MPI ranks of their own: the launcher, its settings, their environment, running one to its end."""
 
 from __future__ import annotations
 
 import os
 import shutil
+import subprocess
 import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from meshes import child
+
+ROOT = Path(__file__).resolve().parents[1]
 
 # Open MPI 4, and 5 (PRTE), as in the Makefile: may run as root, with more ranks than cores, not tied to a core, talking
 # through memory. Ranks that wait give way: there may be more of them than cores.
@@ -38,3 +45,44 @@ def on_ranks(ranks: int, *arguments: str) -> list[str]:
 def environment(threads: int = 1) -> dict[str, str]:
     """Environment of such a child, with so many BLAS threads on each rank."""
     return {**child.environment(), **SETTINGS, "OPENBLAS_NUM_THREADS": str(threads)}
+
+
+@dataclass(frozen=True)
+class Ended:
+    """A process that has ended: exit code, standard output, standard error, wall and CPU seconds, and others' CPU."""
+
+    code: int
+    out: str
+    error: str
+    wall_s: float
+    cpu_s: float
+    others_s: float
+
+
+def busy_s() -> float:
+    """CPU seconds that this machine has been busy since its start, those taken by its host included (Linux).
+
+    Without those of niced processes, which give way; the study itself is not to be niced.
+    """
+    # user, nice, system, idle, iowait, irq, softirq, steal
+    ticks = [int(n) for n in Path("/proc/stat").read_text(encoding="ascii").split("\n", 1)[0].split()[1:9]]
+    return (sum(ticks) - ticks[1] - ticks[3] - ticks[4]) / os.sysconf("SC_CLK_TCK")
+
+
+def run(command: Sequence[str], environment: dict[str, str], limit_s: float) -> Ended:
+    """Run a command to its end, or to the limit; CPU time is that of all processes it has waited for."""
+    with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as error:
+        before, busy, begin = os.times(), busy_s(), time.perf_counter()
+        process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=out, stderr=error)
+        try:
+            code = process.wait(limit_s)
+        except subprocess.TimeoutExpired:
+            process.terminate()  # mpirun ends its ranks
+            process.wait(60.0)
+            code = -1
+        wall, after = time.perf_counter() - begin, os.times()
+        cpu = after.children_user + after.children_system - before.children_user - before.children_system
+        others = max(0.0, busy_s() - busy - cpu)
+        out.seek(0)
+        error.seek(0)
+        return Ended(code, out.read(), error.read(), wall, cpu, others)

@@ -15,7 +15,7 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from analytical.materials import Guccione, NeoHooke, Ogden, Yeoh
+from analytical.laws.isotropic import Guccione, NeoHooke, Ogden, Yeoh
 from solvers.energy.ogden import FIT_RANGE, power_trace, trace_derivatives
 from solvers.errors import SolverError
 

@@ -35,7 +35,7 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from analytical.materials import StiffSolid
+from analytical.laws.stiff import StiffSolid
 from solvers.discrete.domain import FloatArray
 from solvers.discrete.kinematics import Kinematics
 from solvers.energy.forms import invariants, soft_stress_increment, stiff_stress_increment

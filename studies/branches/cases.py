@@ -17,22 +17,24 @@ import numpy as np
 from mpi4py import MPI
 from scipy.spatial import cKDTree
 
-from analytical import cube
-from analytical.elastica import CRITICAL_LOAD, LARGEST_MOVE, bent_ring
-from analytical.materials import NeoHooke
-from analytical.ring import first_buckling
-from analytical.sphere import Sphere
-from analytical.tube import Tube
-from analytical.two_spheres import TwoSpheres
+from analytical.exact import cube
+from analytical.exact.elastica import CRITICAL_LOAD, LARGEST_MOVE, bent_ring
+from analytical.exact.ring import first_buckling
+from analytical.exact.sphere import Sphere
+from analytical.exact.tube import Tube
+from analytical.exact.two_spheres import TwoSpheres
+from analytical.laws.isotropic import NeoHooke
 from meshes.bodies import block, sphere_meridian, tube_meridian
 from meshes.solid import FACETS, FloatArray, SolidMesh
 from meshes.sweep import revolve_hexahedra
+from solvers.assembly.surfaces import Surfaces
 from solvers.discrete.domain import create_domain
 from solvers.linear.factor import Factor
 from solvers.paths.branch import BranchSettings, follow_branch
-from solvers.paths.path import follow_guesses, follow_path
+from solvers.paths.path import follow_path
 from solvers.paths.records import Crossing, GuessMemory, PathSettings, PathState
-from solvers.problem import Problem, Surfaces
+from solvers.paths.warm_start import follow_guesses
+from solvers.problem import Problem
 from solvers.state import State
 from studies.models.build import revolve_state, scene_problem
 from studies.results import provenance

@@ -1,1 +1,1 @@
-"""The study of the closed form: chains, mends, validity, material laws, speed."""
+"""The study of the closed form: chains, corrections, validity, material laws, speed."""

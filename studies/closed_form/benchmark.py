@@ -18,12 +18,15 @@ import threadpoolctl
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from analytical.bellows import BellowsDesigns, BellowsDimensions
-from analytical.chain_equations import TABLE_STEP, Reading
-from analytical.chains import MENDED, closed_form
-from analytical.materials import DRAGON_SKIN_10, Law, Ogden, dragon_skin_30
+from analytical.bellows.chains import closed_form
+from analytical.bellows.dimensions import BellowsDesigns, BellowsDimensions
+from analytical.bellows.equations import TABLE_STEP
+from analytical.bellows.reading import CORRECTED, Reading
+from analytical.laws.isotropic import Law, Ogden
+from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from studies.closed_form.tables import CHAINS
-from studies.report.tables import Table, model_label
+from studies.report.labels import model_label
+from studies.report.tables import Table
 from studies.results.rows import Row, row, write_rows
 
 LAWS: Final[dict[str, Law]] = {"Dragon Skin 10": DRAGON_SKIN_10, "Dragon Skin 30": dragon_skin_30("2mu/alpha^2")}
@@ -114,7 +117,7 @@ def measure(
 
 
 def elongation_by_equations_mm(
-    dimensions: BellowsDimensions, law: Law, pressure_kpa: float, reading: Reading = MENDED
+    dimensions: BellowsDimensions, law: Law, pressure_kpa: float, reading: Reading = CORRECTED
 ) -> float:
     """Elongation from the paper's equations by adaptive quadrature and bracketed root finding, mm.
 

@@ -7,20 +7,14 @@ from typing import Final
 
 import numpy as np
 
-from analytical import paper
-from analytical.homogeneous import MODES, nominal_stress_mpa, stress_curves
-from analytical.materials import (
-    DRAGON_SKIN_10,
-    PLA,
-    POLYETHYLENE,
-    SILICONE_DENSITY_G_CM3,
-    FloatArray,
-    MaterialError,
-    Ogden,
-    Yeoh,
-    check_stability,
-    dragon_skin_30,
-)
+from analytical.arrays import FloatArray
+from analytical.bellows import paper
+from analytical.exact.homogeneous import MODES, nominal_stress_mpa, stress_curves
+from analytical.laws.errors import MaterialError
+from analytical.laws.isotropic import Ogden, Yeoh
+from analytical.laws.silicones import DRAGON_SKIN_10, SILICONE_DENSITY_G_CM3, dragon_skin_30
+from analytical.laws.stability import check_stability
+from analytical.laws.stiff import PLA, POLYETHYLENE
 from studies.closed_form.tables import STRETCH_AT_BREAK
 from studies.report.tables import Table
 from studies.results.rows import Row, row

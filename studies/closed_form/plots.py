@@ -13,8 +13,8 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
-from analytical.materials import FloatArray
-from studies.report.plots import BLUE, GREEN, VERMILION, figure_file
+from analytical.arrays import FloatArray
+from studies.report.style import BLUE, GREEN, VERMILION, figure_file
 
 # Percent at which the colour changes: orange against purple, told apart by colour-blind readers, white below 5 %.
 _BOUNDS: Final = (-100.0, -50.0, -20.0, -10.0, -5.0, 5.0, 10.0, 20.0, 50.0, 100.0)

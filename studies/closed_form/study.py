@@ -1,4 +1,4 @@
-"""The closed-form study: chains, mends, inverse, validity, material laws, exact solutions, in one report."""
+"""The closed-form study: chains, corrections, inverse, validity, material laws, exact solutions, in one report."""
 
 from __future__ import annotations
 
@@ -9,15 +9,17 @@ from typing import Any, Final
 
 import numpy as np
 
-from analytical.chains import ClosedFormPath
-from analytical.paper import PRINTED_PRESSURE_KPA, PaperActuator, actuators
+from analytical.bellows.chains import ClosedFormPath
+from analytical.bellows.paper import PRINTED_PRESSURE_KPA, PaperActuator, actuators
 from studies.closed_form import material_tables, validity_maps
 from studies.closed_form import tables as closed_form_tables
 from studies.closed_form.plots import draw_maps, draw_stress_curves
 from studies.closed_form.tables import CHAINS, CUTS, PRESSURES_KPA, SILICONES, path_of, printed_mm
-from studies.report.pages import duration, write_page
-from studies.report.plots import Curve, draw_elongation
-from studies.report.tables import Table, model_label
+from studies.report.curves import Curve, draw_elongation
+from studies.report.labels import model_label
+from studies.report.numbers import duration
+from studies.report.pages import write_page
+from studies.report.tables import Table, facts_table
 from studies.results import provenance
 from studies.results.rows import Row, write_rows
 from studies.verification import two_routes as exact_table
@@ -56,7 +58,7 @@ def write_study(folder: Path) -> Path:
         "resting": closed_form_tables.resting_on_saturation(four),
         "actuators": [_actuator(folder, actuator) for actuator in four],
         "conventions": closed_form_tables.convention_table(four),
-        "mends": closed_form_tables.mend_table(),
+        "corrections": closed_form_tables.correction_table(),
         "effects": [closed_form_tables.effect_table(pair) for pair in pairs],
         "inverse": closed_form_tables.inverse_table(four),
         "held": closed_form_tables.held_table(four),
@@ -81,7 +83,7 @@ def _rows(four: Sequence[PaperActuator], routes: list[exact_table.TwoRoutes]) ->
     """All numbers of the study."""
     by_actuator = (
         closed_form_tables.chain_rows,
-        closed_form_tables.mend_rows,
+        closed_form_tables.correction_rows,
         closed_form_tables.load_rows,
         validity_maps.rows,
     )
@@ -151,7 +153,7 @@ def _map(
     draw_maps(
         folder / picture,
         validity_maps.panels(effect, maps, four),
-        f"{effect.title}: change of the elongation, % of that of the mended chain",
+        f"{effect.title}: change of the elongation, % of that of the corrected chain",
     )
     return {
         "title": effect.title,
@@ -164,4 +166,4 @@ def _map(
 def _provenance() -> Table:
     versions = {name: value for name, value in provenance.versions().items() if name in _VERSIONS}
     stamps = {"commit": provenance.commit(), "date": provenance.now(), "machine": provenance.machine(), **versions}
-    return Table(("what", "value"), tuple(stamps.items()), left=(0, 1))
+    return facts_table(stamps)

@@ -1,4 +1,4 @@
-"""Tables, rows and sentences of the closed-form study: chains, mends, inverse and held tip.
+"""Tables, rows and sentences of the closed-form study: chains, corrections, inverse and held tip.
 
 Lengths are in mm, pressures in kPa, forces in N; the paper's own elongations in cm become mm.
 """
@@ -12,30 +12,32 @@ from typing import Final
 
 import numpy as np
 
-from analytical.bellows_loads import held_tip, pressure_at_elongation_kpa
-from analytical.chain_equations import Reading
-from analytical.chains import BALANCED, MENDED, PRINTED_READING, ClosedFormPath, closed_form, validity_warnings
-from analytical.materials import (
+from analytical.arrays import FloatArray
+from analytical.bellows.chains import ClosedFormPath, closed_form, validity_warnings
+from analytical.bellows.corrections import CORRECTIONS, Correction, effect_cm
+from analytical.bellows.loads import held_tip, pressure_at_elongation_kpa
+from analytical.bellows.paper import PRINTED_PRESSURE_KPA, PaperActuator, Silicone
+from analytical.bellows.reading import BALANCED, CORRECTED, PRINTED_READING, Reading
+from analytical.laws.isotropic import OGDEN_CONVENTIONS
+from analytical.laws.silicones import (
     DRAGON_SKIN_10_ELONGATION_AT_BREAK_PERCENT,
     DRAGON_SKIN_30_ELONGATION_AT_BREAK_PERCENT,
-    OGDEN_CONVENTIONS,
-    FloatArray,
     dragon_skin_30,
 )
-from analytical.mends import MENDS, Mend, effect_cm
-from analytical.paper import PRINTED_PRESSURE_KPA, PaperActuator, Silicone
-from studies.report.tables import MISSING, TIP, Table, model_label, signed
+from studies.report.labels import TIP, model_label
+from studies.report.numbers import MISSING, signed
+from studies.report.tables import Table
 from studies.results.rows import Row, difference_percent, row
 
 PRESSURES_KPA: Final = (5.0, 10.0, 15.0, 20.0)
 # By model: how its chain reads the equations.
 CHAINS: Final[dict[str, Reading]] = {
     "closed_form_printed": PRINTED_READING,
-    "closed_form": MENDED,
+    "closed_form": CORRECTED,
     "closed_form_balanced": BALANCED,
 }
 # The same chains in tables that have no room.
-_SHORT: Final = {"closed_form_printed": "printed", "closed_form": "mended", "closed_form_balanced": "balanced"}
+_SHORT: Final = {"closed_form_printed": "printed", "closed_form": "corrected", "closed_form_balanced": "balanced"}
 # The balanced chain at its cuts; the first is the chain itself.
 CUTS: Final[dict[str, Reading]] = {
     "mean": BALANCED,
@@ -138,7 +140,7 @@ def summary(actuators: Sequence[PaperActuator]) -> Table:
         paths = {model: path_of(actuator, reading, [PRINTED_PRESSURE_KPA]) for model, reading in CHAINS.items()}
         printed = printed_mm(actuator)
         values = {model: float(path.elongation_mm[0]) for model, path in paths.items()}
-        mended = paths["closed_form"]
+        corrected = paths["closed_form"]
         difference = difference_percent(values["closed_form"], printed["paper_closed_form"])
         lines.append(
             (
@@ -147,8 +149,8 @@ def summary(actuators: Sequence[PaperActuator]) -> Table:
                 *(_length(value) for value in values.values()),
                 *(f"{value:g}" for value in printed.values()),
                 signed(difference),
-                str(mended.state[0]),
-                f"{mended.unfolding_pressure_kpa[0]:.1f}",
+                str(corrected.state[0]),
+                f"{corrected.unfolding_pressure_kpa[0]:.1f}",
             )
         )
     header = ("actuator", "silicone", *map(model_label, CHAINS), *map(model_label, printed_mm(actuators[0])))
@@ -183,13 +185,13 @@ def output_table(actuator: PaperActuator) -> Table:
 
 def unfolding(actuator: PaperActuator) -> str:
     """Unfolding pressures of the chains, a sentence."""
-    printed, mended = (
+    printed, corrected = (
         float(path_of(actuator, CHAINS[model]).unfolding_pressure_kpa[0])
         for model in ("closed_form_printed", "closed_form")
     )
     return (
-        f"The root reaches the crest at {mended:.1f} kPa in the mended and the balanced chain, at {printed:.1f} kPa in "
-        "the printed one."
+        f"The root reaches the crest at {corrected:.1f} kPa in the corrected and the balanced chain, at {printed:.1f} "
+        "kPa in the printed one."
     )
 
 
@@ -207,10 +209,10 @@ def warnings(actuator: PaperActuator) -> list[str]:
 
 
 def resting_on_saturation(actuators: Sequence[PaperActuator]) -> str:
-    """Which of the mended and balanced chains' numbers rest on the rule that holds the root at full unfolding."""
+    """Which of the corrected and balanced chains' numbers rest on the rule that holds the root at full unfolding."""
     resting = []
     for actuator in actuators:
-        states = path_of(actuator, MENDED).state
+        states = path_of(actuator, CORRECTED).state
         held = [f"{p:g}" for p, state in zip(PRESSURES_KPA, states, strict=True) if state == "fully unfolded"]
         if held:
             resting.append(f"{actuator.name} at {_listed(held)} kPa")
@@ -219,7 +221,7 @@ def resting_on_saturation(actuators: Sequence[PaperActuator]) -> str:
     at_printed = [
         f"{a.printed.closed_form_cm:g} cm"
         for a in actuators
-        if path_of(a, MENDED, [PRINTED_PRESSURE_KPA]).state[0] == "fully unfolded"
+        if path_of(a, CORRECTED, [PRINTED_PRESSURE_KPA]).state[0] == "fully unfolded"
     ]
     return (
         f"The numbers of {_listed(resting)} rest on the rule that the root is held at full unfolding, and so does what "
@@ -251,34 +253,34 @@ def convention_table(actuators: Sequence[PaperActuator]) -> Table:
     return Table((*header, "paper: closed form, 20 kPa"), tuple(lines), left=(0, 1, 3))
 
 
-# --- mends ----------------------------------------------------------------------------------
+# --- corrections ----------------------------------------------------------------------------
 
 
-def mend_table() -> Table:
+def correction_table() -> Table:
     """Every departure from the print: where, what is wrong, what is done, why, from which chain on."""
     lines = (
         (
             m.name,
             m.equation,
             m.fault,
-            m.mend,
+            m.corrected_to,
             m.evidence,
             _SHORT[m.chain],
             "see below" if _counts(m) else _why_no_effect(m),
         )
-        for m in MENDS
+        for m in CORRECTIONS
     )
-    header = ("mend", "equation", "fault", "mended to", "evidence", "from this chain on", "effect on numbers")
+    header = ("correction", "equation", "fault", "corrected to", "evidence", "from this chain on", "effect on numbers")
     return Table(header, tuple(lines), left=tuple(range(len(header))))
 
 
 def effect_table(actuators: Sequence[PaperActuator]) -> Table:
-    """What every mend that changes numbers is worth in elongation (cm), by actuator and pressure (kPa)."""
+    """What every correction that changes numbers is worth in elongation (cm), by actuator and pressure (kPa)."""
     lines = []
-    for mend in MENDS:
-        if _counts(mend):
-            effects = (effect_cm(mend, a.dimensions, a.law, PRESSURES_KPA).tolist() for a in actuators)
-            lines.append((mend.name, *(_effect(value) for of_actuator in effects for value in of_actuator)))
+    for correction in CORRECTIONS:
+        if _counts(correction):
+            effects = (effect_cm(correction, a.dimensions, a.law, PRESSURES_KPA).tolist() for a in actuators)
+            lines.append((correction.name, *(_effect(value) for of_actuator in effects for value in of_actuator)))
     return Table(("effect, cm", *actuator_columns(actuators)), tuple(lines))
 
 
@@ -287,12 +289,12 @@ def actuator_columns(actuators: Sequence[PaperActuator]) -> tuple[str, ...]:
     return tuple(f"{actuator.name}, {pressure:g} kPa" for actuator in actuators for pressure in PRESSURES_KPA)
 
 
-def _counts(mend: Mend) -> bool:
-    return mend.without is not None and mend.without != mend.with_
+def _counts(correction: Correction) -> bool:
+    return correction.without is not None and correction.without != correction.with_
 
 
-def _why_no_effect(mend: Mend) -> str:
-    return "the print cannot be evaluated" if mend.without is None else "none, wording"
+def _why_no_effect(correction: Correction) -> str:
+    return "the print cannot be evaluated" if correction.without is None else "none, wording"
 
 
 def _effect(value_cm: float) -> str:
@@ -300,13 +302,13 @@ def _effect(value_cm: float) -> str:
     return _minus(f"{value_cm:+.2f}") if abs(value_cm) >= 0.005 else "0"
 
 
-def mend_rows(actuator: PaperActuator) -> list[Row]:
-    """Effects of all mends on an actuator, cm."""
+def correction_rows(actuator: PaperActuator) -> list[Row]:
+    """Effects of all corrections on an actuator, cm."""
     return [
-        row(actuator.name, "mend_effect_cm", "cm", pressure, mend.chain, value, mend.name)
-        for mend in MENDS
+        row(actuator.name, "correction_effect_cm", "cm", pressure, correction.chain, value, correction.name)
+        for correction in CORRECTIONS
         for pressure, value in zip(
-            PRESSURES_KPA, effect_cm(mend, actuator.dimensions, actuator.law, PRESSURES_KPA).tolist(), strict=True
+            PRESSURES_KPA, effect_cm(correction, actuator.dimensions, actuator.law, PRESSURES_KPA).tolist(), strict=True
         )
     ]
 
@@ -337,7 +339,7 @@ def load_rows(actuator: PaperActuator) -> list[Row]:
 
 
 def inverse_table(actuators: Sequence[PaperActuator]) -> Table:
-    """Pressure (kPa) at which the mended and the balanced chain give shares of their elongation at 20 kPa."""
+    """Pressure (kPa) at which the corrected and the balanced chain give shares of their elongation at 20 kPa."""
     lines = []
     for actuator in actuators:
         for model in _LOADED:

@@ -1,6 +1,6 @@
 """Where the closed form stops being valid: what chains and assumptions are worth, over designs and pressures.
 
-Every worth is a percentage of the mended chain's elongation. The maps hold what the four actuators share (R_p, e, n)
+Every worth is a percentage of the corrected chain's elongation. The maps hold what the four actuators share (R_p, e, n)
 and vary R_i and t; lengths are in mm, pressures in kPa.
 """
 
@@ -13,16 +13,19 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytical import paper
-from analytical.bellows import BellowsDesigns
-from analytical.chain_equations import Reading
-from analytical.chains import BALANCED, PRINTED_READING, ClosedFormPath, closed_form
-from analytical.materials import DRAGON_SKIN_10, FloatArray, Law, dragon_skin_30
-from analytical.paper import PaperActuator, Silicone
-from analytical.validity import cap_bulge_mm, with_free_root, with_other_wall
+from analytical.arrays import FloatArray
+from analytical.bellows import paper
+from analytical.bellows.chains import ClosedFormPath, closed_form
+from analytical.bellows.dimensions import BellowsDesigns
+from analytical.bellows.paper import PaperActuator, Silicone
+from analytical.bellows.reading import BALANCED, PRINTED_READING, Reading
+from analytical.bellows.validity import cap_bulge_mm, with_free_root, with_other_wall
+from analytical.laws.isotropic import Law
+from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from studies.closed_form.plots import Panel
 from studies.closed_form.tables import PRESSURES_KPA, SILICONES, actuator_columns, path_of
-from studies.report.tables import MISSING, Table, signed
+from studies.report.numbers import MISSING, signed
+from studies.report.tables import Table
 from studies.results.rows import Row, row
 
 # Our choice of the range: the four actuators lie well inside, walls of one fold never touch (t < e).
@@ -42,7 +45,7 @@ LAWS: Final[dict[Silicone, Law]] = {"dragon-skin-10": DRAGON_SKIN_10, "dragon-sk
 
 @dataclass(frozen=True)
 class Effect:
-    """Something else than the mended chain, and what it is compared as.
+    """Something else than the corrected chain, and what it is compared as.
 
     Attributes
     ----------
@@ -53,7 +56,7 @@ class Effect:
     words
         What is put in place of what.
     other_mm
-        Elongation with it, mm, from the mended chain's path; shape of the path.
+        Elongation with it, mm, from the corrected chain's path; shape of the path.
     """
 
     name: str
@@ -62,7 +65,7 @@ class Effect:
     other_mm: Callable[[ClosedFormPath], FloatArray]
 
     def percent(self, path: ClosedFormPath) -> FloatArray:
-        """Change in percent of the mended chain's elongation, shape of the path; NaN where there is no such state."""
+        """Change in percent of the corrected chain's elongation, shape of the path; NaN where there is no state."""
         elongation = path.elongation_mm
         return np.asarray(100.0 * (self.other_mm(path) - elongation) / elongation)
 
@@ -84,13 +87,13 @@ EFFECTS: Final[tuple[Effect, ...]] = (
     Effect(
         name="printed",
         title="Chain as printed",
-        words="The printed chain instead of the mended one: the misprints, all together.",
+        words="The printed chain instead of the corrected one: the misprints, all together.",
         other_mm=_by_reading(PRINTED_READING),
     ),
     Effect(
         name="balanced",
         title="Balanced chain",
-        words="The balanced chain (mean cut) instead of the mended one: the statics of the side wall.",
+        words="The balanced chain (mean cut) instead of the corrected one: the statics of the side wall.",
         other_mm=_by_reading(BALANCED),
     ),
     Effect(
@@ -131,7 +134,7 @@ EFFECTS: Final[tuple[Effect, ...]] = (
 
 @dataclass(frozen=True, eq=False)
 class SiliconeMaps:
-    """The mended chain over the designs, for one silicone.
+    """The corrected chain over the designs, for one silicone.
 
     Attributes
     ----------
@@ -150,7 +153,7 @@ class SiliconeMaps:
 
 
 def silicone_maps(silicone: Silicone) -> SiliconeMaps:
-    """The mended chain over the designs for a silicone; Dragon Skin 30 as in eq. (3)."""
+    """The corrected chain over the designs for a silicone; Dragon Skin 30 as in eq. (3)."""
     law = LAWS[silicone]
     plane = closed_form(_designs(WALL_OVER_ROOT[:, None], CREST_OVER_ROOT), law, MAP_PRESSURES_KPA)
     section = closed_form(_designs(WALL_OVER_ROOT, np.asarray(SECTION)), law, SWEEP_KPA)

@@ -31,7 +31,7 @@ Model = Literal["closed_form", "axisymmetric", "sector", "full3d"]
 Strategy = Literal["auto", "pressure", "volume", "warm", "cold"]
 CONTROLS: tuple[Strategy, ...] = ("pressure", "volume")
 # The closed form's chain, in the place of a mesh.
-CHAIN = "mended"
+CHAIN = "corrected"
 # Elements that are there to be compared with: one pressure per cell, and linear without a pressure.
 POORER: tuple[Element, ...] = ("tet-p0", "tet-p1")
 

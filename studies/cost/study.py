@@ -13,7 +13,6 @@ import hashlib
 import json
 import math
 import os
-import subprocess
 import sys
 import tempfile
 import time
@@ -90,47 +89,6 @@ def _key(*content: object) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:24]
 
 
-@dataclass(frozen=True)
-class Ended:
-    """A process that has ended: exit code, standard output, standard error, wall and CPU seconds, and others' CPU."""
-
-    code: int
-    out: str
-    error: str
-    wall_s: float
-    cpu_s: float
-    others_s: float
-
-
-def busy_s() -> float:
-    """CPU seconds that this machine has been busy since its start, those taken by its host included (Linux).
-
-    Without those of niced processes, which give way; the study itself is not to be niced.
-    """
-    # user, nice, system, idle, iowait, irq, softirq, steal
-    ticks = [int(n) for n in Path("/proc/stat").read_text(encoding="ascii").split("\n", 1)[0].split()[1:9]]
-    return (sum(ticks) - ticks[1] - ticks[3] - ticks[4]) / os.sysconf("SC_CLK_TCK")
-
-
-def run_process(command: Sequence[str], environment: dict[str, str], limit_s: float) -> Ended:
-    """Run a command to its end, or to the limit; CPU time is that of all processes it has waited for."""
-    with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as error:
-        before, busy, begin = os.times(), busy_s(), time.perf_counter()
-        process = subprocess.Popen(command, cwd=provenance.ROOT, env=environment, stdout=out, stderr=error)
-        try:
-            code = process.wait(limit_s)
-        except subprocess.TimeoutExpired:
-            process.terminate()  # mpirun ends its ranks
-            process.wait(60.0)
-            code = -1
-        wall, after = time.perf_counter() - begin, os.times()
-        cpu = after.children_user + after.children_system - before.children_user - before.children_system
-        others = max(0.0, busy_s() - busy - cpu)
-        out.seek(0)
-        error.seek(0)
-        return Ended(code, out.read(), error.read(), wall, cpu, others)
-
-
 def measure_cell(cell: Cell, limit_s: float = LIMIT_S) -> Measurement:
     """Measure a cell with all its forms compiled, and of some how much longer it takes without.
 
@@ -158,7 +116,7 @@ def _measure_once(cell: Cell, cache: Path, limit_s: float) -> Measurement:
     with tempfile.TemporaryDirectory(prefix="cost-") as folder:
         arguments = ("-m", "studies.cost.cell", json.dumps(asdict(cell)), "--out", folder)
         command, environment = launch.on_ranks(cell.ranks, *arguments), launch.environment(cell.threads)
-        ended = run_process(command, environment | {"XDG_CACHE_HOME": str(cache)}, limit_s)
+        ended = launch.run(command, environment | {"XDG_CACHE_HOME": str(cache)}, limit_s)
     lines = [line for line in ended.out.splitlines() if line.startswith("{")]
     if ended.code == 0 and lines:
         found = measurement(lines[-1])
@@ -177,11 +135,11 @@ def measure_batch(batch: Batch, texts: Sequence[str], limit_s: float = LIMIT_S) 
             files[-1].write_text(text, encoding="utf-8")
         arguments = ["-m", "studies", "batch", *map(str, files), "--out", f"{name}/out", "--model", batch.model]
         arguments += ["--ranks-per-scene", str(batch.ranks_per_scene)]
-        ended = run_process(launch.on_ranks(2, *arguments), launch.environment(), limit_s)
+        ended = launch.run(launch.on_ranks(2, *arguments), launch.environment(), limit_s)
     return _costs_only(ended, "reached" if ended.code == 0 else f"failed: exit code {ended.code}")
 
 
-def _costs_only(ended: Ended, status: str) -> Measurement:
+def _costs_only(ended: launch.Ended, status: str) -> Measurement:
     """Of a process that tells nothing of itself."""
     no = math.nan
     return Measurement(no, no, ended.wall_s, no, ended.cpu_s, no, 0, 0, no, {}, status, ended.others_s)

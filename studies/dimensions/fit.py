@@ -14,41 +14,28 @@ from typing import Final
 
 import numpy as np
 
-from analytical.bellows_loads import held_tip
-from analytical.chains import closed_form
-from analytical.fit import (
+from analytical.arrays import BoolArray, FloatArray
+from analytical.bellows.chains import closed_form
+from analytical.bellows.fit.masses import Fittings, mass_allowed, rings_g, silicone_g
+from analytical.bellows.fit.members import (
     BALANCED_CHAIN,
-    MENDED_CHAIN_BY_20,
+    CORRECTED_CHAIN_BY_20,
     ORDERS,
     PRINTED_CHAIN,
     SILICONES,
     TEXT_ORDER,
     WITHIN,
-    BoolArray,
     Chain,
-    Fittings,
-    Grid,
     Members,
-    alternates,
-    mass_allowed,
     per_actuator,
-    reference,
-    refine,
-    rings_g,
-    search,
-    silicone_g,
     tip_mm,
     wall_stretch,
 )
-from analytical.materials import FloatArray
-from analytical.paper import (
-    FAMILIES,
-    PRINTED_PRESSURE_KPA,
-    SOURCE,
-    InferredFamily,
-    PaperActuator,
-    actuators,
-)
+from analytical.bellows.fit.picks import alternates, reference
+from analytical.bellows.fit.refine import refine
+from analytical.bellows.fit.search import Grid, search
+from analytical.bellows.loads import held_tip
+from analytical.bellows.paper import FAMILIES, PRINTED_PRESSURE_KPA, SOURCE, InferredFamily, PaperActuator, actuators
 from studies.closed_form.tables import CHAINS, PRESSURES_KPA
 from studies.dimensions.scenes import buildable, scene_of, standard_fittings
 from studies.models.build import masses_g
@@ -173,7 +160,7 @@ class Picks:
 
     @property
     def as_recorded(self) -> bool:
-        """Whether the sets are the families that analytical/paper.py holds."""
+        """Whether the sets are the families that analytical/bellows/paper.py holds."""
         return self.families == FAMILIES
 
 
@@ -229,7 +216,7 @@ class DimensionStudy:
 
 
 def pick_sets() -> Picks:
-    """The reference and the alternates, by the rule of `analytical.fit` on a drawing's grid and what can be built."""
+    """The reference and the alternates, by the rule of `bellows.fit.picks`, on a drawing's grid and buildable."""
     drawn = search(Grid.regular(DRAWING_STEP_MM))
     allowed, built = mass_allowed(silicone_g(drawn, standard_fittings())), buildable(drawn)
     admissible = drawn.take(allowed & built)
@@ -269,7 +256,7 @@ def run_study() -> DimensionStudy:
             _rule(MOULD_STEP_MM, search(mould), fittings),
         ),
         chains=tuple(
-            _chain_fit(chain, grid, fittings) for chain in (BALANCED_CHAIN, PRINTED_CHAIN, MENDED_CHAIN_BY_20)
+            _chain_fit(chain, grid, fittings) for chain in (BALANCED_CHAIN, PRINTED_CHAIN, CORRECTED_CHAIN_BY_20)
         ),
     )
 
@@ -304,7 +291,7 @@ def quantities(fittings: Fittings) -> tuple[Quantity, ...]:
     full = PRINTED_PRESSURE_KPA
     return (
         *(
-            Quantity("tip_mm", "mm", f"elongation at {p:g} kPa, mended chain", p, "closed_form", tips(p))
+            Quantity("tip_mm", "mm", f"elongation at {p:g} kPa, corrected chain", p, "closed_form", tips(p))
             for p in PRESSURES_KPA[:-1]
         ),
         Quantity(
@@ -315,8 +302,10 @@ def quantities(fittings: Fittings) -> tuple[Quantity, ...]:
             "closed_form_balanced",
             lambda members: tip_mm(members, full, BALANCED_CHAIN),
         ),
-        Quantity("unfolding_pressure_kpa", "kPa", "full unfolding, mended chain", np.nan, "closed_form", unfolding_kpa),
-        Quantity("wall_stretch", "1", "wall stretch at 20 kPa, mended chain", full, "closed_form", wall_stretch),
+        Quantity(
+            "unfolding_pressure_kpa", "kPa", "full unfolding, corrected chain", np.nan, "closed_form", unfolding_kpa
+        ),
+        Quantity("wall_stretch", "1", "wall stretch at 20 kPa, corrected chain", full, "closed_form", wall_stretch),
         Quantity("tip_force_n", "N", "force at the blocked tip, 20 kPa", full, "closed_form", _blocked_n),
         Quantity(
             "silicone_g",
@@ -351,7 +340,7 @@ def rest_length_mm(members: Members, fittings: Fittings) -> FloatArray:
 
 
 def unfolding_kpa(members: Members) -> FloatArray:
-    """Pressure at which the root reaches the crest, by the mended chain, shape (m, 4), kPa."""
+    """Pressure at which the root reaches the crest, by the corrected chain, shape (m, 4), kPa."""
     return per_actuator(members, lambda d, law: closed_form(d, law, 0.0).unfolding_pressure_kpa[:, 0])
 
 

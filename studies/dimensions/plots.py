@@ -13,14 +13,14 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon, Rectangle
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
-from analytical.fit import SILICONES, WITHIN, Members, tip_mm
-from analytical.materials import FloatArray
-from analytical.paper import PRINTED, PRINTED_PRESSURE_KPA, PaperActuator
+from analytical.arrays import FloatArray
+from analytical.bellows.fit.members import SILICONES, WITHIN, Members, tip_mm
+from analytical.bellows.paper import PRINTED, PRINTED_PRESSURE_KPA, PaperActuator
 from meshes.bellows import BellowsShape, cap_band, corner_band, wall_segments
 from studies.dimensions.fit import ACTUATORS, DimensionStudy, Prediction
 from studies.dimensions.scenes import scene_of
 from studies.dimensions.tables import SET_NAMES
-from studies.report.plots import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, figure_file
+from studies.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, figure_file
 from studies.scene.bellows import shape_of
 
 # Of the picked sets: told apart by shape as well as by colour.
@@ -166,7 +166,7 @@ def draw_paths(path: Path, study: DimensionStudy) -> None:
             axes.set_ylim(bottom=0.0)
             axes.grid(**_GRID)
             axes.set_axisbelow(True)
-        grid[0].set_ylabel("elongation, mended chain, mm")
+        grid[0].set_ylabel("elongation, corrected chain, mm")
         handles: list[Any] = [
             Line2D([], [], color=style["color"], linestyle=dashes, label=name)
             for style, dashes, name in zip(_PICKS, ("-", "--", ":"), SET_NAMES, strict=True)

@@ -7,9 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from analytical.fit import BoolArray, Fittings, Members
-from analytical.materials import Ogden, Yeoh
-from analytical.paper import InferredFamily, PaperActuator, actuators
+from analytical.arrays import BoolArray
+from analytical.bellows.fit.masses import Fittings
+from analytical.bellows.fit.members import Members
+from analytical.bellows.paper import InferredFamily, PaperActuator, actuators
+from analytical.laws.isotropic import Ogden, Yeoh
 from meshes.bellows import check_shape
 from meshes.errors import GeometryError
 from studies.results.files import write_text_atomically

@@ -11,9 +11,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from analytical.fit import WITHIN
-from analytical.materials import SILICONE_DENSITY_G_CM3
-from analytical.paper import PRINTED_MASS_G, PRINTED_PRESSURE_KPA
+from analytical.bellows.fit.members import WITHIN
+from analytical.bellows.paper import PRINTED_MASS_G, PRINTED_PRESSURE_KPA
+from analytical.laws.silicones import SILICONE_DENSITY_G_CM3
 from studies.dimensions import plots as dimension_plots
 from studies.dimensions import tables as dimension_tables
 from studies.dimensions.fit import (
@@ -28,8 +28,9 @@ from studies.dimensions.fit import (
     write_data,
 )
 from studies.dimensions.scenes import scene_of, write_scenes
-from studies.report.pages import duration, write_page
-from studies.report.tables import Table
+from studies.report.numbers import duration
+from studies.report.pages import write_page
+from studies.report.tables import Table, facts_table
 from studies.results import provenance
 
 TITLE: Final = "The dimensions that the paper does not print: what fits, and what depends on it"
@@ -49,7 +50,7 @@ def write_study(folder: Path) -> DimensionStudy:
     Returns
     -------
     DimensionStudy
-        What was found; `Picks.as_recorded` says whether analytical/paper.py still holds it.
+        What was found; `Picks.as_recorded` says whether analytical/bellows/paper.py still holds it.
     """
     begin = time.perf_counter()
     study = run_study()
@@ -106,4 +107,4 @@ def _content(study: DimensionStudy, predicted: tuple[Prediction, ...]) -> dict[s
 def _provenance() -> Table:
     versions = {name: value for name, value in provenance.versions().items() if name in _VERSIONS}
     stamps = {"commit": provenance.commit(), "date": provenance.now(), "machine": provenance.machine(), **versions}
-    return Table(("what", "value"), tuple(stamps.items()), left=(0, 1))
+    return facts_table(stamps)

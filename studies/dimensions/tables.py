@@ -6,20 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from analytical.chains import MENDED, closed_form
-from analytical.fit import (
-    MASS_WITHIN,
-    ORDERS,
-    SILICONES,
-    TEXT_ORDER,
-    BoolArray,
-    Members,
-    refine,
-    rings_g,
-    silicone_g,
-    wall_stretch,
-)
-from analytical.paper import PRINTED_MASS_G, PRINTED_PRESSURE_KPA, InferredFamily, PaperActuator
+from analytical.arrays import BoolArray
+from analytical.bellows.chains import closed_form
+from analytical.bellows.fit.masses import MASS_WITHIN, rings_g, silicone_g
+from analytical.bellows.fit.members import ORDERS, SILICONES, TEXT_ORDER, Members, wall_stretch
+from analytical.bellows.fit.refine import refine
+from analytical.bellows.paper import PRINTED_MASS_G, PRINTED_PRESSURE_KPA, InferredFamily, PaperActuator
+from analytical.bellows.reading import CORRECTED
 from studies.closed_form.tables import CHAINS
 from studies.dimensions.fit import (
     ACTUATORS,
@@ -30,7 +23,8 @@ from studies.dimensions.fit import (
     rest_length_mm,
     unfolding_kpa,
 )
-from studies.report.tables import MISSING, Table, signed
+from studies.report.numbers import MISSING, signed
+from studies.report.tables import Table
 
 SET_NAMES = ("reference", "alternate a", "alternate b")
 
@@ -86,7 +80,7 @@ def fitted(study: DimensionStudy) -> Table:
         "actuator",
         "Dragon Skin",
         "paper: closed form",
-        "mended chain",
+        "corrected chain",
         "error, %",
         "printed chain",
         "balanced chain",
@@ -98,7 +92,7 @@ def fitted(study: DimensionStudy) -> Table:
 
 def saturation(study: DimensionStudy) -> Table:
     """Which numbers at 20 kPa rest on the root being held at full unfolding, and what they were without."""
-    without = replace(MENDED, folds_back=True)
+    without = replace(CORRECTED, folds_back=True)
     lines = []
     kpa = unfolding_kpa(study.picks.sets)
     shares = np.mean(unfolding_kpa(study.members) <= PRINTED_PRESSURE_KPA, axis=0)
@@ -218,8 +212,8 @@ def spread(study: DimensionStudy, predicted: tuple[Prediction, ...]) -> Table:
 
 
 def chains(study: DimensionStudy) -> Table:
-    """The same search and rule with other chains; the mended chain first."""
-    lines = [_chain_cells("mended chain", study.fitting, study.refined, study.picks.sets.take(np.array([0])))]
+    """The same search and rule with other chains; the corrected chain first."""
+    lines = [_chain_cells("corrected chain", study.fitting, study.refined, study.picks.sets.take(np.array([0])))]
     for fit in study.chains:
         text_order = fit.members.take(fit.members.order == TEXT_ORDER)
         best = refine(text_order.take(np.argsort(text_order.worst_error)[:1]), fit.chain)
@@ -266,11 +260,11 @@ def _window_g() -> tuple[float, float]:
 
 
 def verdict(study: DimensionStudy) -> str:
-    """Whether the rule gives what analytical/paper.py records."""
+    """Whether the rule gives what analytical/bellows/paper.py records."""
     if study.picks.as_recorded:
-        return "The three sets are the ones that `analytical/paper.py` records."
+        return "The three sets are the ones that `analytical/bellows/paper.py` records."
     return (
-        "**The rule picks other sets than `analytical/paper.py` records**: "
+        "**The rule picks other sets than `analytical/bellows/paper.py` records**: "
         + "; ".join(f"{name}: {family}" for name, family in zip(SET_NAMES, study.picks.families, strict=True))
         + ". Edit `REFERENCE_FAMILY` and `ALTERNATE_FAMILIES` there, or find out why."
     )

@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 from mpi4py import MPI
 
-from analytical.materials import SILICONE_DENSITY_G_CM3
+from analytical.laws.silicones import SILICONE_DENSITY_G_CM3
 from meshes.quality import region_volumes_mm3
 from meshes.solid import SolidMesh
+from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause
 from solvers.linear.factor import Factor
@@ -24,9 +25,8 @@ from solvers.state import State
 from studies.models.body_problem import Body, body_of, enclosed_mm3, measures, problem_of
 from studies.models.run_log import Log, begin, on_first_rank, path_row, without_fields, write_fields
 from studies.progress import Progress
-from studies.results.files import PathRow
+from studies.results.files import PathRow, load_state
 from studies.results.runs import MEASURED_FILE, Run, finished_run, run_hash, write_measured
-from studies.results.states import load_state
 from studies.scene.bodies import LIMIT_VOLUME, BodyScene
 from studies.scene.body_geometry import CylinderGeometry
 
@@ -167,7 +167,7 @@ def _small_tension(log: Log, highest_mpa: float, settings: PathSettings) -> Path
     problem, step = log.problem, settings.first_pressure_step * highest_mpa
     blank = problem.zero_state()
     problem.set_state(State(blank.displacement_mm, 0.0 * blank.pressure_mpa + step, blank.bodies_mm, step))
-    report = solve_equilibrium(problem, log.factor, NewtonSettings(), pressure_mpa=step)
+    report = solve_equilibrium(problem, log.factor, NewtonSettings(), HeldLoad(step))
     point = PathPoint(
         problem.get_state(), problem.cavity_volume(), report.compliance_mm3_per_mpa, report.excess_negatives
     )

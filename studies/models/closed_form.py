@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from analytical.bellows_loads import held_tip
-from analytical.chains import closed_form
+from analytical.bellows.chains import closed_form
+from analytical.bellows.loads import held_tip
 from studies.models.build import masses_g
 from studies.results import provenance
 from studies.results.files import PathRow, RunSummary, write_path, write_summary

@@ -20,8 +20,8 @@ from typing import Any
 from mpi4py import MPI
 from mpi4py.futures import MPICommExecutor
 
-from analytical.bellows import BellowsError
-from analytical.chains import closed_form
+from analytical.bellows.chains import closed_form
+from analytical.bellows.dimensions import BellowsError
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
 from studies.models.session import run_plan

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
+from solvers.equilibrium.forces import end_force
 from solvers.errors import SolverError, StepFailed
 from solvers.files import write_atomically
 from solvers.linear.factor import Factor
@@ -28,12 +29,10 @@ from solvers.problem import Problem
 from solvers.stability.harmonics import Shape
 from solvers.stability.modes import WAVES, ModeCounter, ModeCrossing, mode_crossings
 from solvers.state import State
-from studies.models.build import scene_problem
+from studies.models.build import Tip, scene_problem
 from studies.models.contact import MODELLED, may_touch
-from studies.models.tip import Tip
-from studies.results.files import PathRow, write_path, write_summary, write_text_atomically
+from studies.results.files import PathRow, load_state, write_path, write_summary, write_text_atomically
 from studies.results.runs import Run
-from studies.results.states import load_state
 from studies.scene.bellows import BellowsScene
 from studies.scene.meshes import scene_meridian
 
@@ -254,7 +253,7 @@ def _found(crossing: ModeCrossing, problem: Problem, tip_mm: Callable[[State], f
         before=crossing.before,
         after=crossing.after,
         tip_mm=math.nan if tip_mm is None else tip_mm(crossing.state),
-        tip_force_n=math.nan if tip_mm is None else problem.end_force(),
+        tip_force_n=math.nan if tip_mm is None else end_force(problem),
     )
 
 

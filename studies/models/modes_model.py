@@ -8,7 +8,8 @@ from pathlib import Path
 from mpi4py import MPI
 
 from meshes.solid import FACETS, SolidMesh
-from solvers.problem import Problem, Surfaces
+from solvers.assembly.surfaces import Surfaces
+from solvers.problem import Problem
 from studies.models.axisymmetric import run_axisymmetric
 from studies.models.body import run_simple_body
 from studies.models.body_problem import Body, body_of, problem_of

@@ -14,7 +14,8 @@ from solvers.stability.harmonics import Shape
 from solvers.state import State, pressure_at_corners
 from studies.models.modes import FoundCrossing, read_shape
 from studies.models.modes_model import ModesModel
-from studies.report.pictures import Still, draw_states
+from studies.report.pictures.child import draw_states
+from studies.report.pictures.stills import Still
 from studies.scene.meshes import revolved
 
 # Largest displacement of the mode as drawn, of the body's radius: a mode has no size of its own.

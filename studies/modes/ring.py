@@ -8,16 +8,17 @@ import math
 import numpy as np
 from mpi4py import MPI
 
-from analytical.materials import NeoHooke
-from analytical.ring import LOADS, Load, first_buckling
-from analytical.tube import Tube
+from analytical.exact.ring import LOADS, Load, first_buckling
+from analytical.exact.tube import Tube
+from analytical.laws.isotropic import NeoHooke
 from meshes.bodies import tube_meridian
 from meshes.solid import FACETS
+from solvers.assembly.surfaces import SOFT, Surfaces
 from solvers.discrete.domain import create_domain
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
 from solvers.paths.records import PathSettings, point_of
-from solvers.problem import SOFT, Problem, Surfaces
+from solvers.problem import Problem
 from solvers.stability.modes import ModeCounter, mode_crossings
 from studies.results.rows import Row, row
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from analytical.paper import ALTERNATE_FAMILIES, REFERENCE_FAMILY, actuators
+from analytical.bellows.paper import ALTERNATE_FAMILIES, REFERENCE_FAMILY, actuators
 from studies.planning.levels import MERIDIANS, BodyLevel
 from studies.scene.text import changed_text
 

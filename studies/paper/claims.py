@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from analytical.paper import PRINTED, PaperActuator
+from analytical.bellows.paper import PRINTED, PaperActuator
 from studies.paper.cases import REFERENCE_SCENES, THICK, THIN
 from studies.paper.numbers import (
     HIGHEST_KPA,
@@ -28,7 +28,8 @@ from studies.paper.numbers import (
 )
 from studies.paper.results import CaseResult, PaperResults
 from studies.paper.verdicts import FAILS, HOLDS, UNDECIDED, Verdict, above, all_of, below, over_sets, smaller
-from studies.report.tables import TIP, value_text
+from studies.report.labels import TIP, level_label
+from studies.report.numbers import value_text
 from studies.results.rows import Row
 from studies.results.runs import Run
 
@@ -299,7 +300,7 @@ def none_beyond(results: PaperResults) -> Claim:
         reached = min(last_kpa(run) for run in runs)
         passed.append(reached > HIGHEST_KPA * (1.0 + 1e-9))
         why = "" if runs[-1].summary.status == "reached" else f" ({runs[-1].summary.reason})"
-        parts.append(f"{name} to {reached:.4g} kPa on {', '.join(run.summary.level for run in runs)}{why}")
+        parts.append(f"{name} to {reached:.4g} kPa on {', '.join(level_label(run.summary.level) for run in runs)}{why}")
     if any(passed):
         verdict: Verdict = FAILS
     else:
@@ -336,7 +337,7 @@ def _gap(
     for name, row in zip(REFERENCE_SCENES, PRINTED, strict=True):
         found = tip(named(results, name), model)
         ours.append(f"{0.1 * found.value - row.experiment_cm:+.1f}" if found and is_known(found) else "–")
-    label = "axisymmetric model" if model == "axisymmetric" else "mended closed form"
+    label = "axisymmetric model" if model == "axisymmetric" else "corrected closed form"
     finding = (
         f"Printed columns, test subtracted: {printed} cm ({percent} % of the test); our {label} with the inferred "
         f"dimensions: {', '.join(ours)} cm. In the order {', '.join(REFERENCE_SCENES)}."

@@ -7,9 +7,10 @@ import re
 from collections.abc import Sequence
 from typing import Final
 
-from analytical.paper import FAMILIES, PRINTED_PRESSURE_KPA, InferredFamily, PaperActuator, actuators
+from analytical.bellows.paper import FAMILIES, PRINTED_PRESSURE_KPA, InferredFamily, PaperActuator, actuators
 from studies.paper.results import CaseResult, PaperResults, find
-from studies.report.tables import MISSING, TIP, signed, up
+from studies.report.labels import TIP
+from studies.report.numbers import MISSING, signed, up
 from studies.results.files import PathRow
 from studies.results.rows import FOLDED_BACK, REACHED, Row, difference_percent
 from studies.results.runs import Run

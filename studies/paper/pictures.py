@@ -6,17 +6,19 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from studies.paper import plots as paper_plots
+from studies.paper import plots
 from studies.paper.cases import REFERENCE_SCENES
 from studies.paper.numbers import HIGHEST_KPA, finest, is_known, named, tip
 from studies.paper.results import CaseResult, PaperResults
-from studies.report import meridian_pictures, pictures, plots
-from studies.report import scene_page as scene_report
+from studies.report import curves, style
 from studies.report.drawn import key_of, once
-from studies.report.meridian_pictures import RootPanel, draw_root_fields, root_panel
-from studies.report.pictures import Still, draw_side_by_side, draw_states
-from studies.report.tables import value_text
-from studies.results.states import field_files
+from studies.report.numbers import value_text
+from studies.report.pictures import bodies, half_sections, outside, roots
+from studies.report.pictures.child import draw_side_by_side, draw_states
+from studies.report.pictures.roots import RootPanel, draw_root_fields, root_panel
+from studies.report.pictures.stills import Still
+from studies.report.scene_page import ring_boxes
+from studies.results.files import field_files
 
 # The actuator and the pressure (kPa) of the view of the paper's Figure 4B; which one that shows is not printed.
 FIGURE_4B: Final = (REFERENCE_SCENES[0], 10.0)
@@ -25,13 +27,13 @@ STATES: Final = "states-"
 
 # Plots of all results by the name they have in the page and in the folder.
 _PLOTS: Final[Mapping[str, Callable[[Path, PaperResults], str]]] = {
-    "elongations": paper_plots.draw_elongations,
-    "dimensions": paper_plots.draw_dimensions_matter,
-    "beyond": paper_plots.draw_beyond,
-    "assumptions": paper_plots.draw_assumptions,
-    "blocked": paper_plots.draw_blocked,
-    "conventions": paper_plots.draw_conventions,
-    "rings": paper_plots.draw_rings,
+    "elongations": plots.draw_elongations,
+    "dimensions": plots.draw_dimensions_matter,
+    "beyond": plots.draw_beyond,
+    "assumptions": plots.draw_assumptions,
+    "blocked": plots.draw_blocked,
+    "conventions": plots.draw_conventions,
+    "rings": plots.draw_rings,
 }
 
 
@@ -46,10 +48,10 @@ def draw_all(folder: Path, results: PaperResults) -> dict[str, str]:
     (folder / "pictures").mkdir(parents=True, exist_ok=True)
     found = {}
     hashes = [run.summary.content_hash for case in results.cases for run in case.result.axisymmetric]
-    key = key_of(results.rows, hashes, code=[paper_plots, plots])
-    for name, plot in _PLOTS.items():
+    key = key_of(results.rows, hashes, code=[plots, curves, style])
+    for name, draw in _PLOTS.items():
         address = f"pictures/{name}.png"
-        found[name] = once(folder / address, key, lambda a=address, p=plot: p(folder / a, results)) or address  # type: ignore[misc]
+        found[name] = once(folder / address, key, lambda a=address, d=draw: d(folder / a, results)) or address  # type: ignore[misc]
     found["roots"] = _drawn(folder, "roots", lambda path: _draw_roots(path, results))
     for name in REFERENCE_SCENES:
         stills = _stills(named(results, name))
@@ -69,7 +71,7 @@ def _once(path: Path, stills: Sequence[Still], draw: Callable[[Path, Sequence[St
     """Draw states of a body unless that picture is there."""
     if not stills:
         return "no fields of full 3D states were kept"
-    key = key_of(stills, files=[still.vtu for still in stills], code=[pictures])
+    key = key_of(stills, files=[still.vtu for still in stills], code=[bodies, half_sections, outside, style])
     return once(path, key, lambda: draw(path, stills))
 
 
@@ -82,7 +84,7 @@ def _stills(case: CaseResult | None, pressures_kpa: Sequence[float] = ()) -> lis
     fields = field_files(place, pressures_kpa or case.result.scene.load.pressure_kpa)
     if not fields:
         return []
-    rings = scene_report.ring_boxes(case.result.scene, place, run.summary.content_hash, list(fields))
+    rings = ring_boxes(case.result.scene, place, run.summary.content_hash, list(fields))
     stills = [Still("0 kPa", next(iter(fields.values())), deformed=False, rings=rings.get(0.0, ()))]
     for pressure, vtu in sorted(fields.items()):
         row = tip(case, "full3d", pressure)
@@ -103,4 +105,4 @@ def _draw_roots(path: Path, results: PaperResults) -> str:
             panel = root_panel(case.result.scene, run, place, HIGHEST_KPA)
             panels += [panel] if panel else []
             keys.append((name, run.summary.content_hash, run.summary.level))
-    return once(path, key_of(keys, len(panels), code=[meridian_pictures]), lambda: draw_root_fields(path, panels))
+    return once(path, key_of(keys, len(panels), code=[roots, style]), lambda: draw_root_fields(path, panels))

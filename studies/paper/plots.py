@@ -17,26 +17,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
-from analytical.paper import ALTERNATE_FAMILIES, PRINTED_PRESSURE_KPA, REFERENCE_FAMILY, actuators
+from analytical.bellows.paper import ALTERNATE_FAMILIES, PRINTED_PRESSURE_KPA, REFERENCE_FAMILY, actuators
 from studies.closed_form.tables import SILICONES, STRETCH_AT_BREAK
 from studies.paper.cases import REFERENCE_SCENES, RING_VARIANTS, THICK
 from studies.paper.results import CaseResult, PaperResults
-from studies.report.plots import (
-    BLACK,
-    BLUE,
-    DPI,
-    GREEN,
-    ORANGE,
-    SKY,
-    VERMILION,
-    Curve,
-    draw_curves,
-    figure_file,
-    mark_stop,
-    set_pressure_axis,
-    style_of,
-)
-from studies.report.tables import TIP, TIP_FORCE, model_label
+from studies.report.curves import Curve, draw_curves, mark_stop, set_pressure_axis
+from studies.report.labels import TIP, TIP_FORCE, model_label
+from studies.report.style import BLACK, BLUE, DPI, GREEN, ORANGE, SKY, VERMILION, figure_file, style_of
 from studies.results.files import PathRow
 from studies.results.rows import FOLDED_BACK, Row
 from studies.results.runs import Run

@@ -16,9 +16,10 @@ from studies.paper import variant_tables as paper_variant_tables
 from studies.paper.claims import claims
 from studies.paper.pictures import STATES, draw_all
 from studies.paper.results import CaseResult, PaperResults
-from studies.report import tables
-from studies.report.pages import duration, write_page
-from studies.report.scenes import SceneReport
+from studies.report import scene_tables
+from studies.report.numbers import duration
+from studies.report.pages import write_page
+from studies.report.scene_report import SceneReport
 from studies.report.tables import Table
 from studies.results.rows import write_rows
 
@@ -91,10 +92,10 @@ def _content(
         "core_wall": duration(paper_time_tables.core_seconds(results)),
         "split": paper_time_tables.split(results),
         "work": paper_time_tables.work(results),
-        "levels": [(case.case.name, tables.convergence(_report_of(case))) for case in results.of("core", "tets")],
+        "levels": [(case.case.name, scene_tables.convergence(_report_of(case))) for case in results.of("core", "tets")],
         "stops": paper_summary.stops(results),
         "notes": paper_summary.notes(results),
-        "provenance": tables.provenance([_report_of(case) for case in results.cases], provenance),
+        "provenance": scene_tables.provenance([_report_of(case) for case in results.cases], provenance),
         "wall": duration(wall_s["total"]) if "total" in wall_s else "",
         "pictures": dict(pictures),
         "states": {name.removeprefix(STATES): name for name in pictures if name.startswith(STATES)},

@@ -13,13 +13,12 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from analytical import bellows_loads, chains
-from analytical.paper import actuators
+from analytical.bellows import chains, loads
+from analytical.bellows.paper import actuators
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
 from studies.models.axisymmetric import run_axisymmetric
 from studies.models.full3d import run_full3d
-from studies.models.run_log import run_hash
 from studies.models.session import SCENE_FILE, SceneResult, read_scene_folder, run_plan
 from studies.paper.cases import AUDIT_BODY_LEVEL, Case, audit_cases, case_text, cases
 from studies.paper.numbers import PRESSURES_KPA
@@ -32,7 +31,7 @@ from studies.report.drawn import key_of
 from studies.results import measured_rows, measures, provenance, runs, uncertainty
 from studies.results.files import write_text_atomically
 from studies.results.rows import Row, read_rows, write_rows
-from studies.results.runs import finished_run
+from studies.results.runs import finished_run, run_hash
 from studies.scene.bellows import BellowsScene
 from studies.scene.files import load_bellows
 
@@ -129,7 +128,7 @@ def read_results(folder: Path, cases: Sequence[Case]) -> PaperResults:
 def _measured(place: Path, result: SceneResult[BellowsScene]) -> tuple[Row, ...]:
     """The measured rows of a case; kept beside its runs, for measuring some hundred states takes a minute."""
     hashes = [run.summary.content_hash for run in result.axisymmetric]
-    key = key_of(hashes, code=[measures, measured_rows, chains, bellows_loads, runs, uncertainty])
+    key = key_of(hashes, code=[measures, measured_rows, chains, loads, runs, uncertainty])
     rows_file, key_file = place / "measured.csv", place / "measured.key"
     if not (rows_file.exists() and key_file.exists() and key_file.read_text(encoding="utf-8") == key):
         write_rows(rows_file, measured_rows.measured_rows(result.scene, result.axisymmetric, place))

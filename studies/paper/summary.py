@@ -24,7 +24,8 @@ from studies.paper.results import CaseResult, PaperResults
 from studies.paper.tables import CHAINS
 from studies.paper.variant_tables import REFERENCE_RING, nearer
 from studies.paper.verdicts import HOLDS, UNDECIDED
-from studies.report.tables import MISSING, model_label, run_label, signed
+from studies.report.labels import model_label, run_label
+from studies.report.numbers import MISSING, signed
 from studies.results.closed_form_rows import validity_notes
 from studies.results.rows import FOLDED_BACK, REACHED, Row, difference_percent
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from analytical.paper import PaperActuator
+from analytical.bellows.paper import PaperActuator
 from studies.closed_form.tables import SILICONES
 from studies.paper.numbers import (
     PRESSURES_KPA,
@@ -24,7 +24,9 @@ from studies.paper.numbers import (
     unfolding,
 )
 from studies.paper.results import CaseResult, PaperResults
-from studies.report.tables import MISSING, Table, model_label, signed, value_text
+from studies.report.labels import model_label
+from studies.report.numbers import MISSING, signed, value_text
+from studies.report.tables import Table
 from studies.results.rows import REACHED, Row, difference_percent
 
 CHAINS: Final = ("closed_form", "closed_form_printed", "closed_form_balanced", "closed_form_seat")

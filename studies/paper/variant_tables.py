@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from analytical.paper import PRINTED
+from analytical.bellows.paper import PRINTED
 from studies.closed_form.tables import SILICONES, STRETCH_AT_BREAK
 from studies.paper.cases import RING_VARIANTS, THICK, THIN
 from studies.paper.numbers import (
@@ -26,7 +26,9 @@ from studies.paper.numbers import (
     tip,
 )
 from studies.paper.results import CaseResult, PaperResults
-from studies.report.tables import MISSING, TIP_FORCE, Table, count, run_label, short_time, value_text
+from studies.report.labels import TIP_FORCE, run_label
+from studies.report.numbers import MISSING, count, short_time, value_text
+from studies.report.tables import Table
 from studies.results.rows import Row, difference_percent
 from studies.results.runs import Run
 

@@ -35,7 +35,10 @@ def write_page(folder: Path, template: str, content: Mapping[str, Any]) -> Path:
         report.html.
     """
     environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        loader=FileSystemLoader([_TEMPLATES, _TEMPLATES.parents[1]]),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
     environment.filters["cell"] = _cell
     text = environment.get_template(template).render(content)
@@ -48,13 +51,6 @@ def write_page(folder: Path, template: str, content: Mapping[str, Any]) -> Path:
     )
     write_text_atomically(folder / "report.html", page)
     return folder / "report.html"
-
-
-def duration(seconds: float) -> str:
-    """A time as text, with the unit that suits it."""
-    if seconds < 120.0:
-        return f"{seconds:.1f} s"
-    return f"{seconds / 60.0:.1f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"
 
 
 def _cell(text: str) -> str:

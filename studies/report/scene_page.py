@@ -9,12 +9,12 @@ import numpy as np
 
 from meshes.bellows import FloatArray
 from studies.models.session import SCENE_FILE, read_scene_folder
-from studies.report.pictures import RingBox
-from studies.report.scenes import SceneReport, write_report
+from studies.report.pictures.stills import RingBox
+from studies.report.scene_report import SceneReport
+from studies.report.scenes import write_report
 from studies.results import provenance
 from studies.results.closed_form_rows import validity_notes
-from studies.results.files import PathRow
-from studies.results.states import field_files, load_state
+from studies.results.files import PathRow, field_files, load_state
 from studies.scene.bellows import BellowsScene, shape_of
 from studies.scene.files import load_bellows
 
@@ -41,7 +41,7 @@ def ring_boxes(
     return out
 
 
-def render(folder: Path, title: str, introduction: str, scene_folders: Sequence[Path]) -> Path:
+def render_scenes(folder: Path, title: str, introduction: str, scene_folders: Sequence[Path]) -> Path:
     """Write the report of scene folders into ``folder``; returns the path of report.html."""
     reports = []
     total = 0.0

@@ -5,57 +5,33 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
 from studies.planning.levels import ranking
-from studies.report import tables
-from studies.report.pages import duration, write_page
-from studies.report.pictures import RingBox, Still, draw_states
-from studies.report.plots import Curve, draw_elongation, draw_overview, draw_times
-from studies.report.tables import REFERENCES, TIP, TIP_FORCE, anchor_of, headline, model_label, run_label
-from studies.results.files import PATH_FILE, PathRow, RunSummary, write_path
-from studies.results.rows import Row, difference_percent, is_reached, write_rows
-
-
-@dataclass(frozen=True)
-class SceneReport:
-    """What the report says of one scene.
-
-    Attributes
-    ----------
-    name, title
-        Name of the scene, and its heading.
-    scene_toml
-        Text of the scene file.
-    pressures_kpa
-        Asked pressures, kPa.
-    rows
-        The scene's comparison rows.
-    runs
-        Every run behind them.
-    paths
-        All converged states by ``"model level"``, for instance ``"full3d n24"``.
-    fields
-        By requested pressure (kPa) the .vtu of the finest full 3D run; may be empty.
-    notes
-        Sentences: what was skipped and why, warnings; those that the runs' plans say too are shown once.
-    rings
-        Rigid rings to draw, by pressure (kPa), 0.0 for unloaded; empty where there are none.
-    """
-
-    name: str
-    title: str
-    scene_toml: str
-    pressures_kpa: tuple[float, ...]
-    rows: tuple[Row, ...]
-    runs: tuple[RunSummary, ...]
-    paths: dict[str, list[PathRow]]
-    fields: dict[float, Path]
-    notes: tuple[str, ...]
-    rings: dict[float, tuple[RingBox, ...]] = field(default_factory=dict)
+from studies.report import scene_tables
+from studies.report.bars import draw_overview, draw_times
+from studies.report.curves import Curve, draw_elongation
+from studies.report.labels import TIP, TIP_FORCE, level_label, model_label, ordered, runs_label, split_key
+from studies.report.numbers import duration, is_printed, rounded_up, short_status
+from studies.report.pages import write_page
+from studies.report.pictures.child import draw_states
+from studies.report.pictures.stills import Still
+from studies.report.scene_report import (
+    SceneReport,
+    anchor_of,
+    finest_path,
+    headline,
+    headlines,
+    label_of,
+    models_of,
+    quantity_of,
+    unit_of,
+)
+from studies.report.scene_tables import REFERENCES
+from studies.results.files import PATH_FILE, RunSummary, write_path
+from studies.results.rows import difference_percent, is_reached, write_rows
 
 
 def write_report(
@@ -91,12 +67,12 @@ def write_report(
     content = {
         "title": title,
         "introduction": introduction,
-        "summary": tables.summary(scenes, [verdict(scene) for scene in scenes]),
+        "summary": scene_tables.summary(scenes, [verdict(scene) for scene in scenes]),
         "overview": _draw_overview(folder, scenes),
-        "compared_with_paper": any(tables.is_printed(row) for scene in scenes for row in scene.rows),
+        "compared_with_paper": any(is_printed(row) for scene in scenes for row in scene.rows),
         "levels": {model: _levels(scenes, model) for model in REFERENCES},
         "scenes": [_scene(folder, scene) for scene in scenes],
-        "provenance": tables.provenance(scenes, provenance),
+        "provenance": scene_tables.provenance(scenes, provenance),
         "wall": duration(wall_s),
     }
     return write_page(folder, "report.md.j2", content)
@@ -116,7 +92,7 @@ def verdict(scene: SceneReport) -> str:
     if not pairs:
         return "no pressure that both axisymmetric and full 3D reached"
     largest = max(abs(difference_percent(one.value, other.value)) for one, other in pairs)
-    text = f"axisymmetric within {tables.rounded_up(largest, 2):g} % of full 3D"
+    text = f"axisymmetric within {rounded_up(largest, 2):g} % of full 3D"
     if len(pairs) < len(scene.pressures_kpa):
         text += f" at {len(pairs)} of {len(scene.pressures_kpa)} pressures"
     margins = [one.uncertainty + other.uncertainty - abs(one.value - other.value) for one, other in pairs]
@@ -132,12 +108,12 @@ def _scene(folder: Path, scene: SceneReport) -> dict[str, Any]:
     """What the template shows of a scene; draws its pictures on the way."""
     anchor = anchor_of(scene)
     elongation, states, times = (f"pictures/{anchor}-{name}.png" for name in ("elongation", "states", "times"))
-    what = "force at the blocked tip" if tables.quantity_of(scene) == TIP_FORCE else "elongation at the tip"
-    axis = f"{what}, {tables.unit_of(scene)}"
+    what = "force at the blocked tip" if quantity_of(scene) == TIP_FORCE else "elongation at the tip"
+    axis = f"{what}, {unit_of(scene)}"
     draw_elongation(folder / elongation, _curves(scene), scene.pressures_kpa, axis)
     if scene.runs:
-        labels = [run_label(run.model, run.level) for run in scene.runs]
-        draw_times(folder / times, labels, tables.seconds_of(scene.runs))
+        labels = [label_of(scene, run.model, run.level) for run in scene.runs]
+        draw_times(folder / times, labels, scene_tables.seconds_of(scene.runs))
     why_no_states = "no fields were kept"
     if scene.fields:
         why_no_states = draw_states(folder / states, _stills(scene))
@@ -148,21 +124,21 @@ def _scene(folder: Path, scene: SceneReport) -> dict[str, Any]:
         "toml": scene.scene_toml.strip(),
         "verdict": verdict(scene),
         "what": what.split(" at the tip")[0].capitalize(),
-        "unit": tables.unit_of(scene),
-        "tips": tables.tips(scene),
-        "differences": tables.differences(scene),
-        "comparisons": tables.comparisons(scene),
+        "unit": unit_of(scene),
+        "tips": scene_tables.tips(scene),
+        "differences": scene_tables.differences(scene),
+        "comparisons": scene_tables.comparisons(scene),
         "stops": _stops(scene),
         "elongation": elongation,
         "states": states,
         "why_no_states": why_no_states,
         "rings_drawn": any(scene.rings.values()),
-        "convergence": tables.convergence(scene),
+        "convergence": scene_tables.convergence(scene),
         "instabilities": _instabilities(scene),
-        "others": tables.others(scene),
-        "masses": tables.masses(scene),
-        "work": tables.work(scene),
-        "time_table": tables.times(scene),
+        "others": scene_tables.others(scene),
+        "masses": scene_tables.masses(scene),
+        "work": scene_tables.work(scene),
+        "time_table": scene_tables.times(scene),
         "times": times if scene.runs else "",
         "notes": _notes(scene),
         "files": _files(folder, scene),
@@ -172,13 +148,13 @@ def _scene(folder: Path, scene: SceneReport) -> dict[str, Any]:
 def _curves(scene: SceneReport) -> list[Curve]:
     """The curves of the pressure-elongation plot, the references as their paths where there are any."""
     curves = []
-    for model in tables.models_of(scene):
+    for model in models_of(scene):
         rows = [row for p in scene.pressures_kpa if (row := headline(scene, model, p))]
         reached = [row for row in rows if math.isfinite(row.value)]
         points = [(row.pressure_kpa, row.value) for row in reached]
         bars = [row.uncertainty for row in reached]
-        force = tables.quantity_of(scene) == TIP_FORCE
-        states = tables.finest_path(scene, model)
+        force = quantity_of(scene) == TIP_FORCE
+        states = finest_path(scene, model)
         path = [(state.pressure_kpa, state.tip_force_n if force else state.tip_mm) for state in states]
         if model == "axisymmetric" and path:
             points, bars = _from_rest(path), []
@@ -194,7 +170,7 @@ def _curves(scene: SceneReport) -> list[Curve]:
                 tip_mm=tuple(tip for _, tip in points),
                 uncertainty_mm=tuple(bars) if any(math.isfinite(bar) for bar in bars) else (),
                 markers=not (model == "axisymmetric" and path),
-                stopped=f"{model_label(model)} {tables.short_status(stop)}" if stop else "",
+                stopped=f"{model_label(model)} {short_status(stop)}" if stop else "",
                 stopped_at=end,
             )
         )
@@ -217,11 +193,11 @@ def _stills(scene: SceneReport) -> list[Still]:
 
 def _draw_overview(folder: Path, scenes: Sequence[SceneReport]) -> str:
     """Draw all scenes at their highest pressure; the picture's place, empty for a single scene."""
-    scenes = [scene for scene in scenes if tables.quantity_of(scene) == TIP]
+    scenes = [scene for scene in scenes if quantity_of(scene) == TIP]
     if len(scenes) < 2:
         return ""
     values: dict[tuple[str, str], list[float]] = {}
-    for model in tables.ordered(model for scene in scenes for model in tables.models_of(scene)):
+    for model in ordered(model for scene in scenes for model in models_of(scene)):
         rows = [headline(scene, model, max(scene.pressures_kpa)) for scene in scenes]
         values[model, model_label(model)] = [row.value if row else math.nan for row in rows]
     labels = [f"{scene.name}\n{max(scene.pressures_kpa):g} kPa" for scene in scenes]
@@ -235,7 +211,7 @@ def _files(folder: Path, scene: SceneReport) -> list[tuple[str, str]]:
     for key, states in scene.paths.items():
         place = Path("paths", anchor_of(scene), key.replace(" ", "-"))
         write_path(folder / place, states)
-        files.append((f"{run_label(*tables.split_key(key))}: path", quote(str(place / PATH_FILE))))
+        files.append((f"{label_of(scene, *split_key(key))}: path", quote(str(place / PATH_FILE))))
     for pressure, vtu in sorted(scene.fields.items()):
         address = quote(os.path.relpath(vtu.resolve(), folder.resolve()))
         files.append((f"full 3D, {pressure:g} kPa: fields", address))
@@ -247,7 +223,7 @@ def _files(folder: Path, scene: SceneReport) -> list[tuple[str, str]]:
 
 def _stops(scene: SceneReport) -> list[str]:
     """A sentence per way in which levels did not reach a pressure, with its reason."""
-    stops = [row for row in tables.headlines(scene) if not is_reached(row)]
+    stops = [row for row in headlines(scene) if not is_reached(row)]
     found: dict[tuple[str, str], dict[str, None]] = {}
     for row in stops:
         found.setdefault((row.model, row.status), {})[row.level] = None
@@ -255,7 +231,7 @@ def _stops(scene: SceneReport) -> list[str]:
     for (model, status), levels in found.items():
         asked = sorted({row.pressure_kpa for row in stops if (row.model, row.status) == (model, status)})
         asked_text = ", ".join(f"{pressure:g}" for pressure in asked)
-        sentences.append(f"{run_label(model, ', '.join(levels))}, asked for {asked_text} kPa: {status}")
+        sentences.append(f"{label_of(scene, model, *levels)}, asked for {asked_text} kPa: {status}")
     return sentences
 
 
@@ -265,8 +241,8 @@ def _instabilities(scene: SceneReport) -> list[str]:
     for key, states in scene.paths.items():
         first = next((state for state in states if state.unstable_modes > 0), None)
         if first:
-            model = run_label(*tables.split_key(key))
-            tip = f"{first.tip_mm:.2f} mm" if tables.unit_of(scene) == "mm" else f"{first.tip_force_n:.3f} N"
+            model = label_of(scene, *split_key(key))
+            tip = f"{first.tip_mm:.2f} mm" if unit_of(scene) == "mm" else f"{first.tip_force_n:.3f} N"
             where = f"{first.pressure_kpa:.4g} kPa and {tip}"
             sentences.append(f"{model}: first state with {first.unstable_modes:.0f} unstable at {where}")
     return sentences
@@ -279,11 +255,12 @@ def _notes(scene: SceneReport) -> list[str]:
         for sentence in dict.fromkeys(run.plan):
             plans.setdefault(sentence, []).append(run)
     own = [note for note in dict.fromkeys(scene.notes) if note not in plans]
-    return [*own, *(f"{sentence} ({tables.models_label(runs)})" for sentence, runs in plans.items())]
+    return [*own, *(f"{sentence} ({runs_label(runs, scene.counted)})" for sentence, runs in plans.items())]
 
 
 # --- levels and text ------------------------------------------------------------------------
 
 
 def _levels(scenes: Sequence[SceneReport], model: str) -> list[str]:
-    return sorted({row.level for s in scenes for row in tables.headlines(s) if row.model == model}, key=ranking)
+    found = {row.level for s in scenes for row in headlines(s) if row.model == model}
+    return [level_label(level) for level in sorted(found, key=ranking)]

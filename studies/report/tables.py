@@ -1,48 +1,16 @@
-"""Tables of a report as text cells, and how rows, models and numbers are looked up and written in them.
-
-Lengths are in mm, pressures in kPa, masses in g, times in s.
-"""
+"""Tables as text cells, and how they are made of rows and other records."""
 
 from __future__ import annotations
 
-import math
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TypeVar
 
-from studies.planning.levels import ranking
-from studies.results.files import PathRow, RunSummary
-from studies.results.rows import REACHED, Row, difference_percent, is_reached
+from studies.report.labels import level_label
+from studies.report.numbers import MISSING, number_text
+from studies.results.rows import Row
 
-if TYPE_CHECKING:
-    from studies.report.scenes import SceneReport
-
-TIP, TIP_FORCE = "tip_mm", "tip_force_n"
-MISSING = "–"
-
-# What the report calls a model, in the order of its columns; models not named here follow.
-MODELS: Mapping[str, str] = {
-    "closed_form_printed": "closed form as printed",
-    "closed_form": "closed form",
-    "closed_form_balanced": "closed form, balanced",
-    "closed_form_seat": "closed form, free pitch",
-    "axisymmetric": "axisymmetric",
-    "sector": "sector",
-    "full3d": "full 3D",
-    "paper_closed_form": "paper: closed form",
-    "paper_ansys": "paper: ANSYS",
-    "paper_experiment": "paper: experiment",
-}
-# What the others are compared with: the first of these that reached the pressure.
-REFERENCES = ("full3d", "axisymmetric")
-ACTIVITIES = ("mesh", "compile", "pattern", "residual", "tangent", "factor", "solve", "checks", "output")
-# What the report calls a quantity; quantities not named here keep the name of their rows.
-QUANTITIES: Mapping[str, str] = {"axisymmetric_full3d_gap_percent": "gap between axisymmetric and full 3D"}
-# How it writes the value of a quantity; the others with four digits. The # keeps zeros that end a number.
-FORMATS: Mapping[str, str] = {"unstable_modes": ".0f", "min_det_f": "#.3g"}
-
-_STOPPED = re.compile(r"stopped at ([-+.\deE]+) kPa")
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -52,6 +20,90 @@ class Table:
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     left: tuple[int, ...] = (0,)
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of values taken from rows.
+
+    Attributes
+    ----------
+    header
+        What stands above it, with its unit.
+    quantity
+        Of the rows it shows.
+    form
+        How a value is written, as for `format`.
+    model, level
+        Of the rows it shows; empty for any.
+    """
+
+    header: str
+    quantity: str
+    form: str = ".4g"
+    model: str = ""
+    level: str = ""
+
+    def shows(self, row: Row) -> bool:
+        """True for the rows of this column."""
+        return row.quantity == self.quantity and self.model in ("", row.model) and self.level in ("", row.level)
+
+
+def per_level(header: str, quantity: str, form: str, levels: Iterable[str], model: str = "") -> list[Column]:
+    """A column per mesh, which its header names."""
+    return [Column(f"{header}: {level_label(level)}", quantity, form, model, level) for level in levels]
+
+
+def pressure_of(row: Row) -> str:
+    """Pressure of a row, kPa, for the lines of `pivot`."""
+    return number_text(row.pressure_kpa, "g")
+
+
+def pivot(
+    rows: Iterable[Row],
+    lines: Mapping[str, Callable[[Row], str]],
+    columns: Sequence[Column],
+    left: tuple[int, ...] = (),
+    missing: str = MISSING,
+) -> Table:
+    """Spread rows over the lines and columns of a table.
+
+    Parameters
+    ----------
+    rows
+        Those that no column shows are left out.
+    lines
+        By header: what tells one line from another and begins it. Lines come in the order of their first rows.
+    columns
+        What follows. Where several rows fit a cell it shows the first.
+    left
+        Columns that are left-aligned.
+    missing
+        What stands where there is no row, or one without a value.
+    """
+    found: dict[tuple[str, ...], dict[Column, Row]] = {}
+    for row in rows:
+        shown = [column for column in columns if column.shows(row)]
+        if shown:
+            cells = found.setdefault(tuple(text(row) for text in lines.values()), {})
+            for column in shown:
+                cells.setdefault(column, row)
+    body = (
+        (*key, *(number_text(cells[c].value, c.form, missing) if c in cells else missing for c in columns))
+        for key, cells in found.items()
+    )
+    return Table((*lines, *(column.header for column in columns)), tuple(body), left)
+
+
+def table_of(records: Iterable[T], columns: Mapping[str, Callable[[T], str]], left: tuple[int, ...] = ()) -> Table:
+    """A line per record; by header how its cell is written."""
+    lines = (tuple(text(record) for text in columns.values()) for record in records)
+    return Table(tuple(columns), tuple(lines), left)
+
+
+def facts_table(facts: Mapping[str, str]) -> Table:
+    """Facts by their names, such as what a study was made with."""
+    return Table(("what", "value"), tuple((name, value or MISSING) for name, value in facts.items()), left=(0, 1))
 
 
 def as_text(table: Table) -> str:
@@ -65,374 +117,3 @@ def as_text(table: Table) -> str:
         ).rstrip()
         for line in lines
     )
-
-
-def summary(scenes: Sequence[SceneReport], verdicts: Sequence[str]) -> Table:
-    """Tip elongation (mm) or force (N) at each scene's highest requested pressure (kPa), status and verdict."""
-    models = ordered(model for scene in scenes for model in models_of(scene))
-    lines = []
-    for scene, verdict in zip(scenes, verdicts, strict=True):
-        highest = max(scene.pressures_kpa, key=abs)
-        values = [value_text(headline(scene, model, highest)) for model in models]
-        link = f"[{scene.name}](#{anchor_of(scene)})"
-        lines.append((link, f"{highest:g}", *values, _status(scene), verdict))
-    header = ("scene", "kPa", *map(model_label, models), "status", "verdict")
-    return Table(header, tuple(lines), left=(0, len(header) - 2, len(header) - 1))
-
-
-def tips(scene: SceneReport) -> Table:
-    """Tip elongation (mm) and negative modes; a line per requested pressure (kPa), a column per model."""
-    models = models_of(scene)
-    counted = [model for model in MODELS if finest_path(scene, model)]
-    lines = []
-    for pressure in scene.pressures_kpa:
-        values = [value_text(headline(scene, model, pressure)) for model in models]
-        modes = [_modes(finest_path(scene, model), pressure) for model in counted]
-        lines.append((f"{pressure:g}", *values, *modes))
-    header = ("pressure, kPa", *map(model_label, models))
-    header += tuple(f"unstable modes, {model_label(model)}" for model in counted)
-    return Table(header, tuple(lines), left=())
-
-
-def differences(scene: SceneReport) -> Table:
-    """Differences of the tip from the best model that reached each pressure (kPa), in percent."""
-    models = [model for model in models_of(scene) if model != REFERENCES[0]]
-    lines = []
-    for pressure in scene.pressures_kpa:
-        reference = _reference(scene, pressure)
-        if reference is None:
-            lines.append((f"{pressure:g}", *(MISSING,) * (1 + len(models))))
-            continue
-        cells = []
-        for model in models:
-            row = headline(scene, model, pressure)
-            known = row is not None and math.isfinite(row.value) and model != reference.model
-            cells.append(signed(difference_percent(row.value, reference.value)) if row and known else MISSING)
-        lines.append((f"{pressure:g}", model_label(reference.model), *cells))
-    header = ("pressure, kPa", "compared with", *map(model_label, models))
-    return Table(header, tuple(lines), left=(1,))
-
-
-def comparisons(scene: SceneReport) -> Table:
-    """Tip's rows (mm) whose reference is not that of `differences`; finest level of each model."""
-    lines = []
-    for model in models_of(scene):
-        for pressure in scene.pressures_kpa:
-            row, usual = headline(scene, model, pressure), _reference(scene, pressure)
-            shown = row and usual and math.isclose(row.reference, usual.value, rel_tol=1e-6)
-            if row and math.isfinite(row.reference) and not shown:
-                error = signed(row.error_percent) if math.isfinite(row.error_percent) else MISSING
-                lines.append(
-                    (
-                        run_label(model, row.level),
-                        f"{pressure:g}",
-                        value_text(row),
-                        f"{row.reference:.5g}",
-                        error,
-                        row.source or MISSING,
-                    )
-                )
-    unit = unit_of(scene)
-    header = ("model", "pressure, kPa", f"value, {unit}", f"reference, {unit}", "error, %", "source of the reference")
-    return Table(header, tuple(lines), left=(0, 5))
-
-
-def convergence(scene: SceneReport) -> Table:
-    """Tip elongation (mm) at each level beside the level's size, so that the discretisation error is seen."""
-    lines = []
-    for model in models_of(scene):
-        levels = sorted({row.level for row in headlines(scene) if row.model == model}, key=ranking)
-        if levels == [""]:
-            continue
-        for level in levels:
-            run = next((run for run in scene.runs if (run.model, run.level) == (model, level)), None)
-            size = (count(run.cells), count(run.nodes), count(run.dofs)) if run else (MISSING,) * 3
-            tips = [_level_value(scene, model, level, pressure) for pressure in scene.pressures_kpa]
-            lines.append((run_label(model, level), *size, *tips))
-        bounds = [headline(scene, model, pressure) for pressure in scene.pressures_kpa]
-        if any(row and math.isfinite(row.uncertainty) for row in bounds):
-            known = (row.uncertainty if row else math.nan for row in bounds)
-            texts = (MISSING if math.isnan(bound) else f"± {up(bound, 3)}" for bound in known)
-            lines.append((f"uncertainty of {run_label(model, levels[-1])}", "", "", "", *texts))
-    header = (f"at {pressure:g} kPa, {unit_of(scene)}" for pressure in scene.pressures_kpa)
-    return Table(("model", "cells", "nodes", "unknowns", *header), tuple(lines))
-
-
-def others(scene: SceneReport) -> Table:
-    """All quantities but the tip, units in the lines; a line per quantity and model, a column per pressure (kPa)."""
-    rows = [row for row in scene.rows if row.quantity != quantity_of(scene)]
-    pressures = sorted({row.pressure_kpa for row in rows if math.isfinite(row.pressure_kpa)})
-    has_none = any(not math.isfinite(row.pressure_kpa) for row in rows)
-    columns = [*([math.nan] if has_none else []), *pressures]
-    lines: dict[tuple[str, str], dict[str, str]] = {}
-    sources: dict[tuple[str, str], list[str]] = {}
-    for row in rows:
-        unit = "" if row.unit in ("", "-", "1") else f", {row.unit}"
-        key = (f"{QUANTITIES.get(row.quantity, row.quantity)}{unit}", run_label(row.model, row.level))
-        lines.setdefault(key, {})[f"{row.pressure_kpa:g}"] = _generic(row)
-        of_line = sources.setdefault(key, [])
-        if row.source and row.source not in of_line:
-            of_line.append(row.source)
-    header = [f"{p:g} kPa" if math.isfinite(p) else "any pressure" for p in columns]
-    cells = [(*key, *(line.get(f"{p:g}", MISSING) for p in columns)) for key, line in lines.items()]
-    if not any(sources.values()):
-        return Table(("quantity", "model", *header), tuple(cells), left=(0, 1))
-    compared = [(*line, "; ".join(sources[key]) or MISSING) for key, line in zip(lines, cells, strict=True)]
-    return Table(("quantity", "model", *header, "compared with"), tuple(compared), left=(0, 1, 2 + len(columns)))
-
-
-def work(scene: SceneReport) -> Table:
-    """Size, work and peak memory (MB) of each run."""
-    return work_of(scene.runs, [run_label(run.model, run.level) for run in scene.runs])
-
-
-def work_of(runs: Sequence[RunSummary], labels: Sequence[str]) -> Table:
-    """As `work`, of any runs by their labels."""
-    lines = tuple(
-        (
-            label,
-            run.status,
-            *(count(n) for n in (run.dofs, run.factorisations, run.newton_iterations, run.rejected_steps)),
-            f"{run.peak_mb:.0f}",
-            f"{run.ranks}",
-            f"{run.threads}",
-        )
-        for label, run in zip(labels, runs, strict=True)
-    )
-    header = ("run", "status", "unknowns", "factorisations", "Newton iterations", "rejected steps")
-    return Table((*header, "peak memory, MB", "ranks", "threads"), lines, left=(0, 1))
-
-
-def times(scene: SceneReport) -> Table:
-    """Wall time (s) of each run by activity."""
-    return times_of(scene.runs, [run_label(run.model, run.level) for run in scene.runs])
-
-
-def times_of(runs: Sequence[RunSummary], labels: Sequence[str]) -> Table:
-    """As `times`, of any runs by their labels."""
-    split = seconds_of(runs)
-    lines = []
-    for place, (label, run) in enumerate(zip(labels, runs, strict=True)):
-        seconds = [values[place] for values in split.values()]
-        total = run.time_s.get("total", sum(seconds))
-        lines.append((label, *(short_time(value) for value in (*seconds, total))))
-    return Table(("run, s", *split, "total"), tuple(lines))
-
-
-def masses(scene: SceneReport) -> Table:
-    """Masses (g) of the meshes, equal ones on one line, and what the rows compare them with."""
-    runs: dict[tuple[str, ...], list[RunSummary]] = {}
-    for run in scene.runs:
-        grams = (run.silicone_g, run.ring_g, run.silicone_g + run.ring_g)
-        texts = tuple(MISSING if math.isnan(mass) else f"{mass:.2f}" for mass in grams)
-        runs.setdefault(texts, []).append(run)
-    lines = [(models_label(equal), *texts) for texts, equal in runs.items()]
-    references = dict.fromkeys(
-        (row.quantity, f"{row.reference:g}", row.source)
-        for row in scene.rows
-        if row.unit == "g" and math.isfinite(row.reference)
-    )
-    columns = ("silicone_g", "ring_g")
-    for quantity, mass, source in references:
-        place = columns.index(quantity) if quantity in columns else len(columns)
-        lines.append((f"reference: {source}", *("", "", "")[:place], mass, *("", "", "")[place + 1 :]))
-    return Table(("mesh", "silicone, g", "rings, g", "together, g"), tuple(lines))
-
-
-def provenance(scenes: Sequence[SceneReport], stamps: Mapping[str, str]) -> Table:
-    """The caller's stamps, and those of the runs: a run that was not repeated keeps its own."""
-    runs = [run for scene in scenes for run in scene.runs]
-    own = {
-        "commit of the runs": sorted({run.commit for run in runs}),
-        "BLAS of the runs": sorted({run.blas for run in runs}),
-        "versions of the runs": sorted(
-            {", ".join(f"{name} {version}" for name, version in run.versions.items()) for run in runs}
-        ),
-        "runs made": sorted({run.when for run in runs}),
-    }
-    if len(own["runs made"]) > 2:
-        own["runs made"] = [f"{own['runs made'][0]} to {own['runs made'][-1]}"]
-    lines = [*stamps.items(), *((name, "; ".join(values)) for name, values in own.items() if values)]
-    return Table(("what", "value"), tuple((name, value or MISSING) for name, value in lines), left=(0, 1))
-
-
-# --- rows and levels ------------------------------------------------------------------------
-
-
-def quantity_of(scene: SceneReport) -> str:
-    """What a scene is about: the force at its tip if it is blocked, else the elongation."""
-    return TIP_FORCE if any(row.quantity == TIP_FORCE for row in scene.rows) else TIP
-
-
-def unit_of(scene: SceneReport) -> str:
-    """Unit of what a scene is about."""
-    return "N" if quantity_of(scene) == TIP_FORCE else "mm"
-
-
-def headlines(scene: SceneReport) -> list[Row]:
-    """All rows of what a scene is about."""
-    quantity = quantity_of(scene)
-    return [row for row in scene.rows if row.quantity == quantity]
-
-
-def headline(scene: SceneReport, model: str, pressure_kpa: float) -> Row | None:
-    """Tip's row (mm, N) of a model's finest level at a pressure (kPa), reached or not; None if there is none."""
-    found = [row for row in headlines(scene) if row.model == model]
-    found = [row for row in found if math.isclose(row.pressure_kpa, pressure_kpa)]
-    return max(found, key=lambda row: ranking(row.level), default=None)
-
-
-def seconds_of(runs: Sequence[RunSummary]) -> dict[str, list[float]]:
-    """Seconds by activity, a number per run; ``other`` is what no activity of the run accounts for."""
-    named = [name for name in ACTIVITIES if any(name in run.time_s for run in runs)]
-    more = sorted({name for run in runs for name in run.time_s} - {*ACTIVITIES, "total", "other"})
-    split = {name: [run.time_s.get(name, 0.0) for run in runs] for name in (*named, *more)}
-    accounted = [sum(column) for column in zip(*split.values(), strict=True)] or [0.0] * len(runs)
-    totals = [run.time_s.get("total", known) for run, known in zip(runs, accounted, strict=True)]
-    split["other"] = [max(0.0, total - known) for total, known in zip(totals, accounted, strict=True)]
-    return split
-
-
-def ordered(models: Iterable[str]) -> list[str]:
-    """Models once each, known ones first and in the order of `MODELS`."""
-    given = list(dict.fromkeys(models))
-    return [*(model for model in MODELS if model in given), *(model for model in given if model not in MODELS)]
-
-
-def models_of(scene: SceneReport) -> list[str]:
-    """Models that a scene has the tip of, in the order of `MODELS`."""
-    return ordered(row.model for row in headlines(scene))
-
-
-def is_printed(row: Row) -> bool:
-    """True for a number that the paper prints."""
-    return row.model.startswith("paper_")
-
-
-def finest_path(scene: SceneReport, model: str) -> list[PathRow]:
-    """All converged states of a model's finest level; empty if it has none."""
-    keys = [key for key in scene.paths if split_key(key)[0] == model]
-    return scene.paths[max(keys, key=lambda key: ranking(split_key(key)[1]))] if keys else []
-
-
-def split_key(key: str) -> tuple[str, str]:
-    """Model and level of a key such as ``"full3d n24"``."""
-    model, _, level = key.partition(" ")
-    return model, level
-
-
-def _reference(scene: SceneReport, pressure_kpa: float) -> Row | None:
-    rows = (headline(scene, model, pressure_kpa) for model in REFERENCES)
-    return next((row for row in rows if row and math.isfinite(row.value) and row.value != 0.0), None)
-
-
-def _modes(states: Sequence[PathRow], pressure_kpa: float) -> str:
-    """Negative modes at a requested pressure; a dash where it was not reached or they were not counted."""
-    asked = (state for state in states if state.status == "requested")
-    found = next((s for s in asked if math.isclose(s.pressure_kpa, pressure_kpa, rel_tol=1e-6)), None)
-    return MISSING if found is None or math.isnan(found.unstable_modes) else f"{found.unstable_modes:.0f}"
-
-
-def _level_value(scene: SceneReport, model: str, level: str, pressure_kpa: float) -> str:
-    for row in headlines(scene):
-        if (row.model, row.level) == (model, level) and math.isclose(row.pressure_kpa, pressure_kpa):
-            return f"{row.value:.3f}" if math.isfinite(row.value) else short_status(row.status)
-    return MISSING
-
-
-def _status(scene: SceneReport) -> str:
-    stops: dict[tuple[str, str], dict[str, None]] = {}
-    for row in headlines(scene):
-        if not is_reached(row):
-            stops.setdefault((row.model, short_status(row.status)), {})[row.level] = None
-    texts = (f"{run_label(model, ', '.join(levels))} {status}" for (model, status), levels in stops.items())
-    return "; ".join(texts) or REACHED
-
-
-# --- text -----------------------------------------------------------------------------------
-
-
-def model_label(model: str) -> str:
-    """What the report calls a model."""
-    return MODELS.get(model, model.replace("_", " "))
-
-
-def run_label(model: str, level: str) -> str:
-    """What the report calls a level of a model."""
-    return f"{model_label(model)} {level}".strip()
-
-
-def models_label(runs: Iterable[RunSummary]) -> str:
-    """What the report calls several runs: each model once, with its levels."""
-    levels: dict[str, list[str]] = {}
-    for run in runs:
-        levels.setdefault(run.model, []).append(run.level)
-    return "; ".join(run_label(model, ", ".join(of_model)) for model, of_model in levels.items())
-
-
-def anchor_of(scene: SceneReport) -> str:
-    """Name of a scene as it stands in addresses."""
-    return re.sub(r"[^a-z0-9]+", "-", scene.name.lower()).strip("-")
-
-
-def short_status(status: str) -> str:
-    """A status without its reason; the reason is listed below the table."""
-    found = _STOPPED.match(status)
-    return found[0] if found else status
-
-
-def value_text(row: Row | None) -> str:
-    """Tip, mm (or N, which is said), and its uncertainty; printed numbers with the digits they have."""
-    if row is None:
-        return MISSING
-    if not math.isfinite(row.value):
-        return short_status(row.status)
-    if is_printed(row):
-        return f"{row.value:g}"
-    digits, unit = (3, " N") if row.unit == "N" else (2, "")
-    text = f"{row.value:.{digits}f}"
-    text = f"{text}{unit}" if math.isnan(row.uncertainty) else f"{text} ± {up(row.uncertainty, digits)}{unit}"
-    state = row.status.removeprefix(REACHED).strip(", ")
-    return f"{text} ({state})" if state else text
-
-
-def _generic(row: Row) -> str:
-    """Any row's value, its uncertainty and what it is compared with; a dash where it was not determined."""
-    if not math.isfinite(row.value):
-        return MISSING if row.status == REACHED else short_status(row.status)
-    text = format(row.value, FORMATS.get(row.quantity, ".4g"))
-    if math.isfinite(row.uncertainty):
-        text += f" ± {rounded_up(row.uncertainty, 2):.2g}"
-    if math.isfinite(row.error_percent):
-        text += f" ({signed(row.error_percent)} % from {row.reference:g})"
-    return text
-
-
-def signed(percent: float) -> str:
-    """A percentage with its sign and as many decimals as it deserves."""
-    text = f"{percent:+.2f}" if abs(percent) < 1.0 else f"{percent:+.1f}"
-    return text.replace("-", "\N{MINUS SIGN}")
-
-
-def up(value: float, decimals: int) -> str:
-    """An uncertainty rounded up, so that none reads as zero."""
-    scale = 10.0**decimals
-    return f"{math.ceil(value * scale - 1e-9) / scale:.{decimals}f}"
-
-
-def rounded_up(value: float, digits: int) -> float:
-    """The next number with so many significant digits that is not smaller."""
-    if value == 0.0 or not math.isfinite(value):
-        return value
-    scale = 10.0 ** (digits - 1 - math.floor(math.log10(abs(value))))
-    return math.ceil(value * scale - 1e-9) / scale
-
-
-def count(number: int) -> str:
-    """A whole number with its thousands set apart."""
-    return f"{number:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
-
-
-def short_time(seconds: float) -> str:
-    """Seconds with as many decimals as they deserve."""
-    return f"{seconds:.1f}" if seconds < 100.0 else f"{seconds:.0f}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from analytical import paper
+from analytical.bellows import paper
 from studies.planning.error_model import AROUND, cells_of
 from studies.planning.levels import body_level
 from studies.results.closed_form_rows import closed_form_values, printed_elongation, thrust_rows

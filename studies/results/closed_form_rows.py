@@ -8,11 +8,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from analytical import paper
-from analytical.bellows import BellowsDimensions, BellowsError, with_seat
-from analytical.bellows_loads import held_tip
-from analytical.chains import ClosedFormPath, closed_form, closed_form_balanced, closed_form_printed
-from analytical.materials import Law
+from analytical.bellows import paper
+from analytical.bellows.chains import ClosedFormPath, closed_form, closed_form_balanced, closed_form_printed
+from analytical.bellows.dimensions import BellowsDimensions, BellowsError, with_seat
+from analytical.bellows.loads import held_tip
+from analytical.laws.isotropic import Law
 from studies.results.rows import FOLDED_BACK, REACHED, Row, row
 from studies.scene.bellows import BellowsScene, dimensions_of
 from studies.scene.materials import law_of

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from analytical import compressible, cube, ring, sphere, torsion, tube
-from analytical.compressible import CompressibleError
-from analytical.cube import CubeError
-from analytical.ring import RingError
-from analytical.sphere import SphereError
-from analytical.tube import TubeError
+from analytical.exact import compressible, cube, ring, sphere, torsion, tube
+from analytical.exact.compressible import CompressibleError
+from analytical.exact.cube import CubeError
+from analytical.exact.ring import RingError
+from analytical.exact.sphere import SphereError
+from analytical.exact.tube import TubeError
 from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import (
     CookGeometry,

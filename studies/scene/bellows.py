@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from analytical.bellows import BellowsDimensions
-from analytical.materials import PLA, POLYETHYLENE, StiffSolid
+from analytical.bellows.dimensions import BellowsDimensions
+from analytical.laws.stiff import PLA, POLYETHYLENE, StiffSolid
 from meshes.bellows import BellowsShape, check_shape
 from meshes.errors import GeometryError
 from meshes.ring import RingShape

@@ -7,7 +7,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from analytical.materials import Guccione, Law, MaterialError, NeoHooke, Ogden, Yeoh, check_stability
+from analytical.laws.errors import MaterialError
+from analytical.laws.isotropic import Guccione, Law, NeoHooke, Ogden, Yeoh
+from analytical.laws.stability import check_stability
 from studies.scene.sections import Modulus, Section
 
 # Stretches up to this must be stable for a law to be accepted; the reference actuators stay below it to 20 kPa.

@@ -11,7 +11,8 @@ import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from analytical.materials import DRAGON_SKIN_10, Law, Ogden, dragon_skin_30
+from analytical.laws.isotropic import Law, Ogden
+from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from meshes.cells import CellKind
 
 Control = Literal["auto", "pressure", "volume"]

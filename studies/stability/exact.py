@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from analytical import compressible, sphere, tube
-from analytical.sphere import Sphere
-from analytical.tube import Tube
+from analytical.exact import compressible, sphere, tube
+from analytical.exact.sphere import Sphere
+from analytical.exact.tube import Tube
 from meshes.solid import FloatArray
 from studies.stability.cells import Round
 

@@ -9,7 +9,7 @@ from typing import Final
 
 from matplotlib.patches import Patch, Rectangle
 
-from studies.report.plots import BESIDE, BLACK, ORANGE, SKY, VERMILION, figure_file
+from studies.report.style import BESIDE, BLACK, ORANGE, SKY, VERMILION, figure_file
 
 # Letter, colour and meaning of each verdict; the letter says it without the colour.
 LOOKS: Final[Mapping[str, tuple[str, str, str]]] = {

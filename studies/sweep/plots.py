@@ -14,8 +14,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
-from analytical.materials import FloatArray
-from studies.report.plots import BLACK, BLUE, figure_file
+from analytical.arrays import FloatArray
+from studies.report.style import BLACK, BLUE, figure_file
 
 Kind = Literal["elongation", "percent"]
 # Percent at which the colour changes: orange against purple, white where nobody is misled.

@@ -9,7 +9,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from analytical.materials import FloatArray
+from analytical.arrays import FloatArray
 
 Chain = Literal["closed_form", "closed_form_balanced", "closed_form_seat"]
 LIMIT_PERCENT: Final = 10.0

@@ -11,13 +11,15 @@ from typing import Any, Final
 import numpy as np
 from mpi4py import MPI
 
-from analytical import paper
-from analytical.materials import FloatArray
+from analytical.arrays import FloatArray
+from analytical.bellows import paper
 from studies.closed_form.tables import SILICONES
 from studies.models.farm import OUTCOME_FILE, REFUSED, TABLE_FILE, SweepOutcome, SweepRow, read_table, run_sweep
 from studies.progress import Progress
-from studies.report.pages import duration, write_page
-from studies.report.tables import MISSING, Table, count, model_label, signed, up
+from studies.report.labels import model_label
+from studies.report.numbers import MISSING, count, duration, signed, up
+from studies.report.pages import write_page
+from studies.report.tables import Table, facts_table
 from studies.results import provenance
 from studies.results.rows import REACHED
 from studies.scene.bellows import dimensions_of
@@ -327,7 +329,7 @@ def _provenance(outcome: dict[str, Any]) -> Table:
         "ranks": count(outcome["ranks"]),
         **provenance.versions(),
     }
-    return Table(("what", "value"), tuple(stamps.items()), left=(0, 1))
+    return facts_table(stamps)
 
 
 # --- maps -----------------------------------------------------------------------------------

@@ -1,1 +1,1 @@
-"""What bellows contract to under vacuum."""
+"""The vacuum study: contraction of bellows whose cavity is evacuated."""

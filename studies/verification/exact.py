@@ -11,10 +11,12 @@ import numpy as np
 
 from studies.models.session import ROWS_FILE, SCENE_FILE
 from studies.planning.levels import MODELS, fineness
-from studies.report import tables
-from studies.report.pages import duration, write_page
-from studies.report.scenes import SceneReport
-from studies.report.tables import MISSING, Table, rounded_up, run_label
+from studies.report import scene_tables
+from studies.report.labels import counted_along, quantity_label
+from studies.report.numbers import MISSING, duration, rounded_up
+from studies.report.pages import write_page
+from studies.report.scene_report import SceneReport, anchor_of, label_of
+from studies.report.tables import Column, Table, pivot, pressure_of
 from studies.results import provenance
 from studies.results.body_rows import OF_PATHS
 from studies.results.exact_answers import exact_bore_mm, exact_crossing_kpa
@@ -27,20 +29,6 @@ from studies.verification.plots import Points, draw_against_exact
 TITLE: Final = "Bodies with exact answers: the solver beside them"
 # Rows that are not compared values.
 _CHECKS: Final = ("unstable_modes", "min_det_f", "crossing_modes")
-_NAMES: Final = {
-    "bore_mm": "radial displacement of the bore, mm",
-    "volume_mm3": "enclosed volume, mm³",
-    "displacement_max_mm": "largest displacement, mm",
-    "tip_mm": "axial displacement of the tip, mm",
-    "torque_nmm": "torque, N mm",
-    "axial_force_n": "axial force, N",
-    "corner_mm": "displacement of the corner, mm",
-    "apex_inside_mm": "position of the apex inside, mm",
-    "apex_outside_mm": "position of the apex outside, mm",
-    "unstable_modes": "unstable modes",
-    "limit_kpa": "limit point of the pressure, kPa",
-    "crossing_kpa": "loss of stability, kPa",
-}
 
 
 def render_exact(folder: Path, scene_folders: Sequence[Path]) -> Path:
@@ -67,7 +55,7 @@ def render_exact(folder: Path, scene_folders: Sequence[Path]) -> Path:
         "title": TITLE,
         "summary": _summary(pairs),
         "scenes": [_section(folder, scene, report) for scene, report in pairs],
-        "provenance": tables.provenance(reports, stamps),
+        "provenance": scene_tables.provenance(reports, stamps),
         "wall": duration(seconds),
     }
     return write_page(folder, "exact.md.j2", content)
@@ -97,11 +85,12 @@ def _read(folder: Path) -> SceneReport:
         paths={f"{r.model} {r.level}": read_path(folder / f"{r.model}-{r.level}") for r in runs},
         fields={},
         notes=(),
+        counted=counted_along(scene.geometry.kind),
     )
 
 
 def _section(folder: Path, scene: BodyScene, report: SceneReport) -> dict[str, Any]:
-    place = Path("pictures", f"{tables.anchor_of(report)}.png")
+    place = Path("pictures", f"{anchor_of(report)}.png")
     (folder / "pictures").mkdir(parents=True, exist_ok=True)
     quantity = _plotted(scene)
     drawn = scene.geometry.kind != "cylinder" and any(
@@ -110,24 +99,19 @@ def _section(folder: Path, scene: BodyScene, report: SceneReport) -> dict[str, A
     if drawn:
         _draw(folder / place, scene, report, quantity)
     return {
-        "anchor": tables.anchor_of(report),
+        "anchor": anchor_of(report),
         "name": report.name,
         "title": report.title,
         "toml": report.scene_toml.strip(),
-        "compared": _compared(report.rows),
+        "compared": _compared(report),
         "picture": str(place) if drawn else "",
-        "quantity": _NAMES[quantity],
+        "quantity": quantity_label(quantity),
         "crossings": _crossings(report),
-        "checks": _checks(report.rows),
-        "work": tables.work(report),
-        "times": tables.times(report),
+        "checks": _checks(report),
+        "work": scene_tables.work(report),
+        "times": scene_tables.times(report),
         "notes": list(dict.fromkeys(note for run in report.runs for note in run.plan)),
     }
-
-
-def name_of(quantity: str) -> str:
-    """A quantity in words, with its unit."""
-    return _NAMES.get(quantity, quantity)
 
 
 def _plotted(scene: BodyScene) -> str:
@@ -144,7 +128,7 @@ def _draw(path: Path, scene: BodyScene, report: SceneReport, quantity: str) -> N
         known = [(r.pressure_kpa, r.value) for r in rows if math.isfinite(r.value)]
         if quantity == "unstable_modes":  # counted in every state
             known = [(s.pressure_kpa, s.unstable_modes) for s in report.paths[f"{model} {level}"]]
-        levels.append(Points(run_label(model, level), *_columns(known)))
+        levels.append(Points(label_of(report, model, level), *_columns(known)))
     loads = np.linspace(0.0, max(scene.loads_kpa), 61)[1:]
     curve = [(0.0, 0.0), *((float(p), exact_bore_mm(scene, float(p))[0]) for p in loads)]
     known = [pair for pair in curve if math.isfinite(pair[1])] if quantity == "bore_mm" else []
@@ -153,10 +137,10 @@ def _draw(path: Path, scene: BodyScene, report: SceneReport, quantity: str) -> N
     last = (report.runs[-1].model, report.runs[-1].level)
     for row in report.rows:
         if row.quantity in OF_PATHS and (row.model, row.level) == last and math.isfinite(row.value):
-            lines.append((f"{row.quantity.removesuffix('_kpa')}, {run_label(*last)}", row.value))
+            lines.append((f"{row.quantity.removesuffix('_kpa')}, {label_of(report, *last)}", row.value))
             if math.isfinite(row.reference):
                 lines.append(("the same, exact", exact_crossing_kpa(scene)[0]))
-    draw_against_exact(path, _NAMES[quantity], exact, levels, lines)
+    draw_against_exact(path, quantity_label(quantity), exact, levels, lines)
 
 
 def _columns(pairs: Sequence[tuple[float, float]]) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -177,7 +161,7 @@ def _summary(pairs: Sequence[tuple[BodyScene, SceneReport]]) -> Table:
                 reached = sum(math.isfinite(r.value) for r in rows)
                 stopped = next((r.status for r in rows if r.status != "reached"), "reached")
                 lines.append(
-                    (report.name, _NAMES[quantity], run_label(model, level), f"{reached} of {len(rows)}",
+                    (report.name, quantity_label(quantity), label_of(report, model, level), f"{reached} of {len(rows)}",
                      _percent(max(errors)) if errors else MISSING, stopped)
                 )  # fmt: skip
     header = ("scene", "quantity", "finest mesh", "values", "largest error, %", "status")
@@ -189,15 +173,15 @@ def _finest(report: SceneReport) -> list[tuple[str, str]]:
     return list({run.model: (run.model, run.level) for run in report.runs}.values())
 
 
-def _compared(rows: Sequence[Row]) -> Table:
+def _compared(report: SceneReport) -> Table:
     """All compared values of a scene."""
     lines = []
-    for row in rows:
+    for row in report.rows:
         if row.quantity not in _CHECKS:
             load = MISSING if math.isnan(row.pressure_kpa) else f"{row.pressure_kpa:g}"
             known = math.isfinite(row.reference)
             lines.append(
-                (_NAMES.get(row.quantity, row.quantity), load, run_label(row.model, row.level), _number(row),
+                (quantity_label(row.quantity), load, label_of(report, row.model, row.level), _number(row),
                  f"{row.reference:.6g}" if known else MISSING, _percent(row.error_percent, signed=True),
                  row.source or MISSING)
             )  # fmt: skip
@@ -205,18 +189,11 @@ def _compared(rows: Sequence[Row]) -> Table:
     return Table(header, tuple(lines), left=(0, 2, 6))
 
 
-def _checks(rows: Sequence[Row]) -> Table:
+def _checks(report: SceneReport) -> Table:
     """Unstable modes and least det F on the finest mesh of each model at each load."""
-    lines: dict[tuple[str, str, float], dict[str, str]] = {}
-    for row in rows:
-        if row.quantity in ("unstable_modes", "min_det_f"):
-            shown = f"{row.value:.0f}" if row.quantity == "unstable_modes" else f"{row.value:#.4g}"
-            lines.setdefault((row.model, row.level, row.pressure_kpa), {})[row.quantity] = shown
-    cells = tuple(
-        (run_label(model, level), f"{load:g}", found.get("unstable_modes", MISSING), found.get("min_det_f", MISSING))
-        for (model, level, load), found in lines.items()
-    )
-    return Table(("mesh", "load, kPa", "unstable modes", "least det F"), cells)
+    lines = {"mesh": lambda row: label_of(report, row.model, row.level), "load, kPa": pressure_of}
+    columns = [Column("unstable modes", "unstable_modes", ".0f"), Column("least det F", "min_det_f", "#.4g")]
+    return pivot(report.rows, lines, columns, left=(0,))
 
 
 def _crossings(report: SceneReport) -> list[str]:
@@ -226,7 +203,7 @@ def _crossings(report: SceneReport) -> list[str]:
         c = run.crossing
         if c:
             out.append(
-                f"{run_label(run.model, run.level)}: {c['kind']} at {c['pressure_kpa']:.6g} kPa (within "
+                f"{label_of(report, run.model, run.level)}: {c['kind']} at {c['pressure_kpa']:.6g} kPa (within "
                 f"{c['within_kpa']:.1g}), unstable modes {c['modes_before']} → {c['modes_after']}"
             )
     return out

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from studies.report.plots import BESIDE, BLACK, BLUE, VERMILION, figure_file
+from studies.report.style import BESIDE, BLACK, BLUE, VERMILION, figure_file
 
 
 @dataclass(frozen=True)

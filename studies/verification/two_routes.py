@@ -17,10 +17,12 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from analytical import compressible, cube, flexure, homogeneous, ring, sphere, torsion, tube
-from analytical.chains import MENDED
-from analytical.materials import DRAGON_SKIN_10, FloatArray, Law, dragon_skin_30
-from analytical.paper import PRINTED_PRESSURE_KPA, actuators
+from analytical.arrays import FloatArray
+from analytical.bellows.paper import PRINTED_PRESSURE_KPA, actuators
+from analytical.bellows.reading import CORRECTED
+from analytical.exact import compressible, cube, flexure, homogeneous, ring, sphere, torsion, tube
+from analytical.laws.isotropic import Law
+from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from studies.closed_form.benchmark import elongation_by_equations_mm, error_text
 from studies.closed_form.tables import path_of
 from studies.report.tables import Table
@@ -218,7 +220,7 @@ def _compressible(name: str, law: Law) -> Iterator[TwoRoutes]:
 def _bellows(name: str, law: Law) -> Iterator[TwoRoutes]:
     for actuator in actuators():
         if actuator.law == law:
-            chain = float(path_of(actuator, MENDED, [PRINTED_PRESSURE_KPA]).elongation_mm[0])
+            chain = float(path_of(actuator, CORRECTED, [PRINTED_PRESSURE_KPA]).elongation_mm[0])
             one_by_one = elongation_by_equations_mm(actuator.dimensions, law, PRINTED_PRESSURE_KPA)
             problem = f"closed form, {actuator.name}, {PRINTED_PRESSURE_KPA:g} kPa"
             routes = ("Newton on Gauss points in ln R", "bracketing on quadrature in λ")

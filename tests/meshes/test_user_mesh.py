@@ -89,12 +89,12 @@ def test_edges_on_the_axis_need_no_name(written) -> None:
     assert (found.points[axis, 0] == 0.0).all()
 
 
-def test_metres_are_refused_with_the_scale_that_mends_them(meridian, written) -> None:
+def test_metres_are_refused_with_the_scale_that_corrects_them(meridian, written) -> None:
     with pytest.raises(MeshError, match=r"bounding box is 0\.003 mm.*scale = 1000"):
         read_user_mesh(written(meridian, points=1e-3 * meridian.points))
 
 
-def test_first_order_is_refused_with_the_option_that_mends_it(meridian, written) -> None:
+def test_first_order_is_refused_with_the_option_that_corrects_it(meridian, written) -> None:
     with pytest.raises(MeshError, match=r"3-node triangles.*-order 2"):
         read_user_mesh(written(meridian, order=1))
 

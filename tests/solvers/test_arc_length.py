@@ -13,17 +13,17 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from analytical.materials import NeoHooke, Yeoh
-from analytical.sphere import Sphere, limit_point, pressure_at_inner_radius_mpa
-from analytical.two_spheres import TwoSpheres
+from analytical.exact.sphere import Sphere, limit_point, pressure_at_inner_radius_mpa
+from analytical.exact.two_spheres import TwoSpheres
+from analytical.laws.isotropic import NeoHooke, Yeoh
 from meshes.bodies import sphere_meridian
 from meshes.solid import FACETS
 from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
 from solvers.paths.arc import FARTHEST, Scale, distance, refuse_far, refuse_jump, volume_turns_back
 from solvers.paths.checkpoint import read_checkpoint, write_checkpoint
-from solvers.paths.path import PathSettings, follow_path
-from solvers.paths.records import PathMemory, PathPoint
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathMemory, PathPoint, PathSettings
 from solvers.state import State
 
 SCRIPT = Path(__file__).with_name("two_spheres.py")

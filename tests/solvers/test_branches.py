@@ -9,18 +9,19 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from analytical import cube
-from analytical.elastica import CRITICAL_LOAD, bent_ring
-from analytical.materials import NeoHooke
-from analytical.sphere import Sphere
-from analytical.two_spheres import TwoSpheres
+from analytical.exact import cube
+from analytical.exact.elastica import CRITICAL_LOAD, bent_ring
+from analytical.exact.sphere import Sphere
+from analytical.exact.two_spheres import TwoSpheres
+from analytical.laws.isotropic import NeoHooke
 from meshes.bodies import block, sphere_meridian, tube_meridian
 from meshes.solid import FACETS
 from meshes.sweep import revolve_hexahedra
 from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
 from solvers.paths.branch import BranchSettings, follow_branch
-from solvers.paths.path import PathSettings, follow_path
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathSettings
 from solvers.state import State
 
 MU = 0.1

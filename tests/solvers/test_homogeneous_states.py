@@ -7,7 +7,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from analytical.materials import DRAGON_SKIN_10, Law, NeoHooke, dragon_skin_30
+from analytical.laws.isotropic import Law, NeoHooke
+from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from meshes.quality import jacobians, region_volumes_mm3
 from meshes.revolve import revolve
 from meshes.solid import TETRAHEDRON_EDGES, SolidMesh

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from analytical.materials import DRAGON_SKIN_10
+from analytical.laws.silicones import DRAGON_SKIN_10
 from meshes.bodies import block, tube_meridian
 from meshes.solid import FACETS, SolidMesh
 from solvers.errors import SolverError

@@ -7,15 +7,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from analytical.materials import DRAGON_SKIN_10, PLA
+from analytical.laws.silicones import DRAGON_SKIN_10
+from analytical.laws.stiff import PLA
 from meshes.meridian import default_resolution, meridian_mesh
 from meshes.ring import RingShape
 from meshes.solid import FACETS, REGIONS, SolidMesh
+from solvers.assembly.surfaces import SOFT, STIFF
 from solvers.bodies.rigid import RigidBodies
 from solvers.equilibrium.newton import NewtonSettings
 from solvers.linear.factor import Factor
-from solvers.paths.path import Path, PathSettings, follow_path
-from solvers.problem import SOFT, STIFF
+from solvers.paths.path import follow_path
+from solvers.paths.records import Path, PathSettings
 
 PRESSURES = [0.005, 0.010]
 

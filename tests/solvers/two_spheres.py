@@ -1,4 +1,4 @@
-"""Two neo-Hookean spheres on one cavity as a problem, see `analytical.two_spheres`; a script too.
+"""Two neo-Hookean spheres on one cavity as a problem, see `analytical.exact.two_spheres`; a script too.
 
 As a script, also under mpirun: follows the path by arc length and prints one JSON line.
 """
@@ -10,14 +10,16 @@ import json
 import numpy as np
 from mpi4py import MPI
 
-from analytical.materials import NeoHooke
-from analytical.sphere import Sphere
+from analytical.exact.sphere import Sphere
+from analytical.laws.isotropic import NeoHooke
 from meshes.bodies import sphere_meridian
 from meshes.solid import FACETS, SolidMesh
+from solvers.assembly.surfaces import Surfaces
 from solvers.discrete.domain import create_domain
 from solvers.linear.factor import Factor
-from solvers.paths.path import PathSettings, follow_path
-from solvers.problem import Problem, Surfaces
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathSettings
+from solvers.problem import Problem
 
 LAW = NeoHooke(0.1)
 SMALL, LARGE = Sphere(5.0, 6.5), Sphere(15.0, 19.7)

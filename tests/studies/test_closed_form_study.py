@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from analytical.mends import MENDS
-from analytical.paper import actuators
+from analytical.bellows.corrections import CORRECTIONS
+from analytical.bellows.paper import actuators
 from studies.__main__ import BAD_INPUT, main
 from studies.closed_form import benchmark, material_tables, validity_maps
 from studies.closed_form import tables as closed_form_tables
@@ -35,7 +35,7 @@ def number(text: str) -> float:
     return float(text.replace("\N{MINUS SIGN}", "-"))
 
 
-# --- chains, mends, loads -------------------------------------------------------------------
+# --- chains, corrections, loads -------------------------------------------------------------
 
 
 @every_actuator
@@ -85,11 +85,11 @@ def test_states_and_what_rests_on_saturation() -> None:
     assert any("past the model" in text for text in closed_form_tables.warnings(ACTUATORS[1]))
 
 
-def test_every_mend_is_told_and_those_with_numbers_have_their_effect() -> None:
-    told = lines(closed_form_tables.mend_table())
-    assert [line["mend"] for line in told] == [mend.name for mend in MENDS]
+def test_every_correction_is_told_and_those_with_numbers_have_their_effect() -> None:
+    told = lines(closed_form_tables.correction_table())
+    assert [line["correction"] for line in told] == [correction.name for correction in CORRECTIONS]
     effects = lines(closed_form_tables.effect_table(ACTUATORS[:2]))
-    with_numbers = [line["mend"] for line in told if line["effect on numbers"] == "see below"]
+    with_numbers = [line["correction"] for line in told if line["effect on numbers"] == "see below"]
     assert [line["effect, cm"] for line in effects] == with_numbers
     (held,) = [line for line in effects if line["effect, cm"] == "full unfolding"]
     assert held["heung-t1-ri5, 5 kPa"] == "0"
@@ -243,5 +243,5 @@ def test_the_whole_study_is_written_in_less_than_a_minute(tmp_path: Path) -> Non
     rows = read_rows(tmp_path / "rows.csv")
     assert {r.scene for r in rows} >= {actuator.name for actuator in ACTUATORS}
     missing = [r for r in rows if math.isnan(r.value)]
-    # only the mend whose print cannot be evaluated
-    assert {(r.quantity, r.level) for r in missing} == {("mend_effect_cm", "sign of the pressure")}
+    # only the correction whose print cannot be evaluated
+    assert {(r.quantity, r.level) for r in missing} == {("correction_effect_cm", "sign of the pressure")}

@@ -14,10 +14,12 @@ from click.testing import CliRunner
 
 import studies.__main__
 import studies.dimensions.study
-from analytical.bellows_loads import held_tip
-from analytical.chains import BALANCED, closed_form
-from analytical.fit import WITHIN, mass_allowed, members_of, rings_g, silicone_g
-from analytical.paper import FAMILIES, PRINTED, REFERENCE_FAMILY, actuators
+from analytical.bellows.chains import closed_form
+from analytical.bellows.fit.masses import mass_allowed, rings_g, silicone_g
+from analytical.bellows.fit.members import WITHIN, members_of
+from analytical.bellows.loads import held_tip
+from analytical.bellows.paper import FAMILIES, PRINTED, REFERENCE_FAMILY, actuators
+from analytical.bellows.reading import BALANCED
 from studies.dimensions.fit import DimensionStudy, pick_sets, quantities
 from studies.dimensions.scenes import buildable, scene_of, standard_fittings, write_scenes
 from studies.dimensions.study import write_study
@@ -114,9 +116,9 @@ def test_predictions_against_single_actuators() -> None:
         for j, actuator in enumerate(actuators(family)):
             d, law = actuator.dimensions, actuator.law
             expected = {
-                "elongation at 10 kPa, mended chain": closed_form(d, law, 10.0).elongation_mm,
+                "elongation at 10 kPa, corrected chain": closed_form(d, law, 10.0).elongation_mm,
                 "elongation at 20 kPa, balanced chain": closed_form(d, law, 20.0, BALANCED).elongation_mm,
-                "full unfolding, mended chain": closed_form(d, law, 0.0).unfolding_pressure_kpa,
+                "full unfolding, corrected chain": closed_form(d, law, 0.0).unfolding_pressure_kpa,
                 "force at the blocked tip, 20 kPa": held_tip(d, law, 20.0).tip_force_n,
                 "length at rest": np.array([2 * d.convolutions * d.half_pitch_mm + 6.0]),
             }

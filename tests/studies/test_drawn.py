@@ -10,7 +10,7 @@ from matplotlib.image import imread
 
 from studies.report import drawn
 from studies.report.drawn import key_of, once
-from studies.report.plots import figure_file
+from studies.report.style import figure_file
 from studies.results import rows
 from studies.results.rows import row
 

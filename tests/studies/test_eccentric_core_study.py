@@ -14,11 +14,11 @@ from meshes.errors import GeometryError
 from solvers.state import State
 from studies.__main__ import main
 from studies.imperfection.study import Case, run_study, write_report
-from studies.models.run_log import run_hash
-from studies.models.tip import tip_pose
+from studies.models.build import tip_pose
 from studies.planning.levels import BodyLevel
 from studies.planning.planner import describe, make_plan
 from studies.results.rows import read_rows
+from studies.results.runs import run_hash
 from studies.scene.bellows import core_shift_mm, without_eccentricity
 from studies.scene.files import load_bellows
 from studies.scene.meshes import scene_body, scene_meridian

@@ -252,7 +252,7 @@ def test_shipped_scenes_are_accepted_and_planned(path: Path) -> None:
 
 def test_exact_crossings_by_kind() -> None:
     follower, source = exact_crossing_kpa(shipped("ring-2"))
-    assert follower == pytest.approx(0.43992, rel=1e-4)  # analytical.ring, tested there
+    assert follower == pytest.approx(0.43992, rel=1e-4)  # analytical.exact.ring, tested there
     assert "follower" in source
     assert math.isnan(exact_crossing_kpa(shipped("tube"))[0])
 

@@ -16,12 +16,12 @@ from matplotlib.patches import Rectangle
 
 from meshes.solid import REGIONS
 from solvers.state import State
-from studies.report import meridian_pictures
-from studies.report.meridian_pictures import RootPanel, draw_root_fields, root_panel
-from studies.report.pictures import RingBox, Still, draw_side_by_side
-from studies.report.plots import figure_file
-from studies.results.files import PathRow
-from studies.results.states import save_state
+from studies.report.pictures import roots
+from studies.report.pictures.child import draw_side_by_side
+from studies.report.pictures.roots import RootPanel, draw_root_fields, root_panel
+from studies.report.pictures.stills import RingBox, Still
+from studies.report.style import figure_file
+from studies.results.files import PathRow, save_state
 from studies.scene.bellows import BellowsScene, shape_of
 from studies.scene.files import load_bellows
 from studies.scene.meshes import scene_meridian
@@ -105,7 +105,7 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
             figures.append(figure)
             yield figure
 
-    monkeypatch.setattr(meridian_pictures, "figure_file", keep)
+    monkeypatch.setattr(roots, "figure_file", keep)
     return figures
 
 
@@ -155,7 +155,7 @@ def test_the_view_from_outside(tmp_path: Path, two_cells: Callable[[Path], None]
 
 
 def test_the_axis_is_level_in_the_view_from_outside() -> None:
-    from studies.report.pictures import _view
+    from studies.report.pictures.outside import _view
 
     towards, plane = _view()
     assert plane @ [0.0, 0.0, 1.0] == pytest.approx([math.hypot(*towards[:2]), 0.0])

@@ -16,7 +16,7 @@ from studies.models.session import SceneResult
 from studies.paper import plots as paper_plots
 from studies.paper.cases import Case, Group, case_text, cases
 from studies.paper.results import CaseResult, PaperResults
-from studies.report.plots import figure_file
+from studies.report.style import figure_file
 from studies.results.files import PathRow, RunSummary
 from studies.results.rows import FOLDED_BACK, REACHED, Row, row
 from studies.results.runs import Run

@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
-from analytical.materials import PLA
+from analytical.laws.stiff import PLA
 from meshes.cells import cell_shape
 from studies.peers import environment
 from studies.peers import study as peer_study

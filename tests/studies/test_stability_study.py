@@ -8,8 +8,9 @@ import math
 import pytest
 from mpi4py import MPI
 
-from analytical.materials import DRAGON_SKIN_10, NeoHooke
-from analytical.sphere import Sphere, limit_point
+from analytical.exact.sphere import Sphere, limit_point
+from analytical.laws.isotropic import NeoHooke
+from analytical.laws.silicones import DRAGON_SKIN_10
 from studies.results.rows import read_rows
 from studies.stability import run as stability_run
 from studies.stability import study as stability_study

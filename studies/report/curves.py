@@ -1,0 +1,124 @@
+"""Curves over the pressure, each in the look of its model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import cycle
+from pathlib import Path
+from typing import Any
+
+from matplotlib.axes import Axes
+
+from studies.report.style import BESIDE, OTHERS, edge_of, figure_file, grid, style_of
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Elongation of one model over the pressure.
+
+    Attributes
+    ----------
+    model, label
+        Decides the style; what the legend says.
+    pressure_kpa, tip_mm
+        Points in the order they are joined; of a blocked tip the force in N.
+    uncertainty_mm
+        Half height of the error bars, mm; NaN draws none, empty means there are none.
+    markers
+        False: a line only, for paths of many states.
+    stopped, stopped_at
+        Empty, or what the legend says of the cross where the run ended; its pressure (kPa) and tip (mm).
+    """
+
+    model: str
+    label: str
+    pressure_kpa: tuple[float, ...]
+    tip_mm: tuple[float, ...]
+    uncertainty_mm: tuple[float, ...] = ()
+    markers: bool = True
+    stopped: str = ""
+    stopped_at: tuple[float, float] = (0.0, 0.0)
+
+
+def draw_elongation(
+    path: Path, curves: Sequence[Curve], asked_kpa: Sequence[float], label: str = "elongation at the tip, mm"
+) -> None:
+    """Draw tip displacement (mm), or what the label says, over cavity pressure (kPa).
+
+    Parameters
+    ----------
+    path
+        The PNG to write.
+    curves
+        What to draw, in the order of the legend.
+    asked_kpa
+        Asked pressures, kPa, at least one; the axis reaches all of them also if no curve does.
+    label
+        Of the vertical axis.
+    """
+    with figure_file(path, 8.2, 4.9) as figure:
+        axes = figure.add_subplot()
+        entries = draw_curves(axes, curves)
+        axes.set_xlabel("cavity pressure, kPa")
+        axes.set_ylabel(label)
+        drawn = [tip for curve in curves for tip in curve.tip_mm]
+        axes.set_ylim(bottom=1.04 * min([0.0, *drawn]))
+        set_pressure_axis(axes, asked_kpa)
+        axes.legend(handles=entries, **BESIDE)
+
+
+def draw_curves(axes: Axes, curves: Sequence[Curve], scale: float = 1.0) -> list[Any]:
+    """Draw curves on axes, each in the look of its model; markers and lines are that much larger.
+
+    Returns
+    -------
+    list
+        Entries of a legend, in the order of the curves.
+    """
+    others = cycle(OTHERS)
+    entries: list[Any] = []
+    for place, curve in enumerate(curves):
+        style = style_of(curve.model) or dict(next(others))
+        style["markersize"] = scale * {"*": 13.0, "P": 10.0}.get(style["marker"], 6.5)
+        if "markerfacecolor" in style:
+            style["markersize"] *= 1.6
+        elif style["linestyle"] == "none":
+            style |= {"markeredgecolor": edge_of(curve.model), "markeredgewidth": 0.8}
+        if not curve.markers:
+            style["marker"] = "none"
+        entries.append(
+            axes.errorbar(
+                curve.pressure_kpa,
+                curve.tip_mm,
+                yerr=curve.uncertainty_mm or None,
+                label=curve.label,
+                linewidth=1.8 * scale,
+                elinewidth=1.2 * scale,
+                capsize=3.5 * scale,
+                zorder=3.0 + 0.01 * place,
+                **style,
+            )
+        )
+        if curve.stopped:
+            entries += mark_stop(axes, curve.stopped_at, style["color"], curve.stopped, scale)
+    return entries
+
+
+def mark_stop(axes: Axes, at: tuple[float, float], colour: str, label: str, scale: float = 1.0) -> list[Any]:
+    """Draw the cross where a run ended, at (x, y); returns its entry of a legend."""
+    look: dict[str, Any] = {
+        "marker": "x",
+        "markersize": 11 * scale,
+        "markeredgewidth": 2.6 * scale,
+        "linestyle": "none",
+    }
+    return list(axes.plot(*at, color=colour, label=label, zorder=5.0, **look))
+
+
+def set_pressure_axis(axes: Axes, asked_kpa: Sequence[float]) -> None:
+    """Limits and ticks of a pressure axis that reaches all requested pressures (kPa), and a grid behind the curves."""
+    axes.set_xlim(1.04 * min(0.0, *asked_kpa), 1.04 * max(0.0, *asked_kpa))
+    if len(asked_kpa) <= 8:
+        axes.set_xticks([0.0, *asked_kpa])
+    grid(axes)
