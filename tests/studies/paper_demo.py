@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from studies.models.session import SceneResult
-from studies.paper.cases import Case, audit_cases, cases
+from studies.paper.cases import Case, audit_cases, case_text, cases
 from studies.paper.results import CaseResult, PaperResults
-from studies.paper.study import SCENES, case_text
+from studies.paper.study import SCENES
 from studies.results.bellows_rows import bellows_rows
 from studies.results.files import PathRow, RunSummary
 from studies.results.rows import REACHED, Row, row
