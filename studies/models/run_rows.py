@@ -10,7 +10,7 @@ import numpy as np
 from studies.models.contact import MODELLED
 from studies.models.run_log import CONTACT
 from studies.results.rows import Row, row
-from studies.results.runs import Run
+from studies.results.runs import Run, stopped_text
 
 # Name and unit of what a state has, in the order of its rows.
 STATE_QUANTITIES: Mapping[str, str] = {
@@ -23,12 +23,6 @@ STATE_QUANTITIES: Mapping[str, str] = {
     "unstable_modes": "1",
     "min_det_f": "1",
 }
-
-
-def stopped_text(run: Run) -> str:
-    """Status of what a run did not reach."""
-    last = run.path[-1].pressure_kpa if run.path else 0.0
-    return f"stopped at {last:.3f} kPa: {run.summary.reason}"
 
 
 def state_rows(
@@ -53,7 +47,7 @@ def state_rows(
         name = quantities[0]
         return [
             row(summary.scene, name, STATE_QUANTITIES[name], pressure_kpa, model, math.nan, summary.level,
-                status=stopped_text(run))
+                status=stopped_text(run, ".3f"))
         ]  # fmt: skip
     here = [c for c in contacts if math.isclose(float(c["pressure_kpa"]), pressure_kpa, rel_tol=1e-5)]
     touching = {
