@@ -13,7 +13,7 @@ from studies.large.cell import LargeCell
 from studies.report.numbers import MISSING
 from studies.report.pages import write_page
 from studies.report.style import BLUE, VERMILION, figure_file
-from studies.report.tables import Table
+from studies.report.tables import Table, facts_table
 from studies.results import provenance
 
 TITLE: Final = "Large bodies: direct and iterative linear algebra"
@@ -62,7 +62,7 @@ def render_large(folder: Path, cells: Sequence[LargeCell], untried: Sequence[str
         "fits": fits_table(fits),
         "ranks": ranks,
         "scaling": scaling_table(done),
-        "provenance": Table(("what", "value"), tuple(stamps.items()), left=(0, 1)),
+        "provenance": facts_table(stamps),
     }
     return write_page(folder, "large.md.j2", content)
 

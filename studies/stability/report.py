@@ -12,7 +12,7 @@ from studies.report.drawn import key_of as picture_key
 from studies.report.drawn import once
 from studies.report.numbers import MISSING, duration
 from studies.report.pages import write_page
-from studies.report.tables import Table
+from studies.report.tables import Table, facts_table
 from studies.results import provenance
 from studies.results.rows import REACHED, Row, write_rows
 from studies.results.rows import row as new_row
@@ -260,4 +260,4 @@ def _provenance() -> Table:
         "BLAS": provenance.blas(),
         **provenance.versions(),
     }
-    return Table(("what", "value"), tuple(stamps.items()), left=(0, 1))
+    return facts_table(stamps)
