@@ -169,7 +169,7 @@ study-imperfection: check ## actuators whose moulding core sat off the axis: ben
 
 .PHONY: study-contact
 study-contact: check ## contact: exact problems, folds that touch, 1 mm actuators to 80 kPa -> results/contact
-	$(PY) -m studies.contact.study --out results/contact
+	$(PY) -m studies study contact --out results/contact
 
 .PHONY: study-vacuum
 study-vacuum: check ## scenes/vacuum: what bellows contract to, with contact of their folds -> results/vacuum
