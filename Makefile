@@ -165,7 +165,7 @@ study-branches: check ## paths whose volume turns back, branches beyond buckling
 
 .PHONY: study-imperfection
 study-imperfection: check ## actuators whose moulding core sat off the axis: bend, elongation; full 3D -> results/imperfection
-	$(LAUNCH) -m studies.imperfection.study --out results/imperfection
+	$(LAUNCH) -m studies study imperfection --out results/imperfection
 
 .PHONY: study-contact
 study-contact: check ## contact: exact problems, folds that touch, 1 mm actuators to 80 kPa -> results/contact

@@ -25,7 +25,7 @@ from studies.results.compare import main_quantity
 from studies.results.measures import find_places, largest_stretches
 from studies.results.rows import Row, row
 from studies.results.states import load_state
-from studies.scene.bellows import Contact, Scene, load_scene
+from studies.scene.bellows import Contact, Scene, at_pressures, load_scene
 
 SCENES: Final = provenance.ROOT / "scenes"
 # Actuators by their files, and pressures in kPa instead of theirs.
@@ -52,13 +52,8 @@ class Found:
 
 def cases(options: Mapping[str, Any]) -> list[ExactProblem | Scene]:
     """Problems, then actuators."""
-    return [*PROBLEMS, *(at_pressures(SCENES / f"{file}.toml", kpa) for file, kpa in ACTUATORS.items())]
-
-
-def at_pressures(file: Path, pressures_kpa: Sequence[float]) -> Scene:
-    """A scene with other requested pressures."""
-    scene = load_scene(file)
-    return scene.model_copy(update={"load": scene.load.model_copy(update={"pressure_kpa": list(pressures_kpa)})})
+    actuators = [at_pressures(load_scene(SCENES / f"{file}.toml"), kpa) for file, kpa in ACTUATORS.items()]
+    return [*PROBLEMS, *actuators]
 
 
 def solve(case: ExactProblem | Scene, at: Setting) -> Found:

@@ -36,6 +36,8 @@ class Column:
         How a value is written, as for `format`.
     model, level
         Of the rows it shows; empty for any.
+    number
+        Which number of a row it shows: ``value``, ``reference``, ``error_percent`` or ``uncertainty``.
     """
 
     header: str
@@ -43,6 +45,7 @@ class Column:
     form: str = ".4g"
     model: str = ""
     level: str = ""
+    number: str = "value"
 
     def shows(self, row: Row) -> bool:
         """True for the rows of this column."""
@@ -89,7 +92,7 @@ def pivot(
             for column in shown:
                 cells.setdefault(column, row)
     body = (
-        (*key, *(number_text(cells[c].value, c.form, missing) if c in cells else missing for c in columns))
+        (*key, *(number_text(getattr(cells[c], c.number), c.form, missing) if c in cells else missing for c in columns))
         for key, cells in found.items()
     )
     return Table((*lines, *(column.header for column in columns)), tuple(body), left)

@@ -6,6 +6,7 @@ Every key carries its unit. Errors are collected and each names the key, its val
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -214,6 +215,11 @@ def without_eccentricity(scene: Scene) -> Scene:
     if scene.geometry.eccentricity == 0.0:
         return scene
     return scene.model_copy(update={"geometry": scene.geometry.model_copy(update={"eccentricity": 0.0})})
+
+
+def at_pressures(scene: Scene, pressures_kpa: Sequence[float]) -> Scene:
+    """The same scene with other requested pressures."""
+    return scene.model_copy(update={"load": scene.load.model_copy(update={"pressure_kpa": list(pressures_kpa)})})
 
 
 def core_shift_mm(scene: Scene) -> float:
