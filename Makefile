@@ -161,7 +161,7 @@ study-error-model: check ## fit what meshes leave of error and take of time; ten
 
 .PHONY: study-branches
 study-branches: check ## paths whose volume turns back, branches beyond buckling, squirm of a blocked bellows -> results/branches
-	$(LAUNCH) -m studies.branches.study --out results/branches
+	$(LAUNCH) -m studies study branches --out results/branches
 
 .PHONY: study-imperfection
 study-imperfection: check ## actuators whose moulding core sat off the axis: bend, elongation; full 3D -> results/imperfection

@@ -42,23 +42,10 @@ def rows_of(actuator: Actuator, bodies: Sequence[Body]) -> list[Row]:
     """Rows of an actuator: each tip beside the centred one on the same mesh, each bend beside the one in proportion."""
     rows = []
     for pressure, body, name in product(actuator.pressures_kpa, bodies, UNITS):
-        value, level = body.value(name, pressure), body.level.name
+        scene, level, value = body.scene.name, body.level.name, body.value(name, pressure)
         known, source = _reference(name, body, pressure, bodies)
         status = REACHED if pressure in body.poses else stopped_text(body.run)
-        rows.append(
-            row(
-                body.scene.name,
-                name,
-                UNITS[name],
-                pressure,
-                "full3d",
-                value,
-                level,
-                reference=known,
-                source=source,
-                status=status,
-            )
-        )
+        rows.append(row(scene, name, UNITS[name], pressure, "full3d", value, level, math.nan, known, source, status))
     return rows
 
 
@@ -106,7 +93,8 @@ def summary(bodies: Sequence[Body]) -> str:
         f"bends the tip by {abs(large.value('tip_bend_deg', highest)):.1f} degrees, moves it sideways by "
         f"{abs(large.value('tip_sideways_mm', highest)):.1f} mm and changes the elongation by {percent:+.2f} %. "
         f"From 5 to 10 % the bend grows with order {min(bends):.3f} to {max(bends):.3f} of the eccentricity, the "
-        f"change of the elongation with order {min(changes):.2f} to {max(changes):.2f} (1 and 2 expected of a small one)."
+        f"change of the elongation with order {min(changes):.2f} to {max(changes):.2f} (1 and 2 expected of a small "
+        "one)."
     )
 
 
