@@ -144,7 +144,7 @@ study-stability: check ## stress test: hundreds of cells, none may be a wrong an
 
 .PHONY: study-modes
 study-modes: check ## modes that break the symmetry: from which pressure on, in which shape -> results/modes
-	$(LAUNCH) -m studies modes --out results/modes
+	$(LAUNCH) -m studies study modes --out results/modes
 
 .PHONY: study-peers
 study-peers: check ## the same bellows in CalculiX, NGSolve, FElupe and the tutorial way; hours -> results/peers

@@ -290,39 +290,6 @@ def smoke(out: Path) -> None:
     sys.exit(code)
 
 
-@main.command("modes")
-@click.argument("scenes", nargs=-1, type=click.Path(path_type=Path))
-@OUT_OPTION
-@click.option("--full3d", is_flag=True, help="Confirm the first crossing of each of SCENES on the whole body.")
-def modes_command(scenes: tuple[Path, ...], out: Path, full3d: bool) -> None:
-    """Find where axisymmetric states of SCENES lose stability in m = 0…6 waves round, and draw the modes.
-
-    Without SCENES those of the study, with a ring of exact buckling loads and bodies in full 3D beside them.
-    """
-    from studies.modes import study as modes_study
-
-    try:
-        models = [(modes_study.load_model(p), p.read_text(encoding="utf-8")) for p in scenes or modes_study.STUDY]
-    except SceneError as error:
-        if MPI.COMM_WORLD.rank == 0:
-            click.echo(str(error), err=True)
-        sys.exit(BAD_INPUT)
-    _writable(out)
-    names = [model.scene.name for model, _ in models]
-    confirmed = (names if full3d else []) if scenes else list(modes_study.CONFIRMED)
-    try:
-        results, faults = modes_study.run_study(models, confirmed, not scenes, out, MPI.COMM_WORLD)
-    except OSError as error:
-        sys.exit(_cannot_write("modes", error))
-    for fault in faults if MPI.COMM_WORLD.rank == 0 else []:
-        click.echo(fault, err=True)
-    rows = [r for result in results for r in result.rows]
-    lines = [f"{entry.scene}  {_shown(entry)}" for entry in modes_study.headlines(rows)]
-    _out("\n".join([*lines, *modes_study.confirmations(rows)]))
-    _out(f"report: {out / 'report.html'}")
-    sys.exit(STOPPED if faults or not all(result.reached for result in results) else 0)
-
-
 @main.command("exact")
 @OUT_OPTION
 def exact_command(out: Path) -> None:

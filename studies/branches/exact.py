@@ -24,7 +24,7 @@ from solvers.discrete.domain import create_domain
 from solvers.linear.factor import Factor
 from solvers.paths.branch import BranchSettings, follow_branch
 from solvers.paths.path import follow_path
-from solvers.paths.records import Control, PathSettings, PathState
+from solvers.paths.records import PathSettings, PathState
 from solvers.problem import Problem, Surfaces
 from studies.branches.findings import Findings, Point, fact, point
 
@@ -49,9 +49,10 @@ def two_spheres(comm: MPI.Comm) -> Findings:
         stretch = float(np.hypot(*here.T).mean() / small.inner_radius_mm)
         return point(item, stretch, SPHERES.at(LAW, stretch).pressure_mpa)
 
-    controls: tuple[Control, ...] = ("arc", "auto", "volume")
-    settings = {control: PathSettings(control=control, largest_volume=4.0) for control in controls}
-    paths = {control: follow_path(problem, factor, [0.05], settings[control]) for control in controls}
+    paths = {
+        control: follow_path(problem, factor, [0.05], PathSettings(control=control, largest_volume=4.0))
+        for control in ("arc", "auto", "volume")
+    }
     branches = {control: [seen(item) for item in path.states] for control, path in paths.items()}
     limit, back, forward = SPHERES.limit(LAW), *SPHERES.folds(LAW)
     crossing, stopped = paths["arc"].crossing, branches["volume"][-1]

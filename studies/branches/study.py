@@ -15,7 +15,7 @@ import click
 import numpy as np
 from mpi4py import MPI
 
-from studies.branches import exact, findings, squirm
+from studies.branches import exact, squirm
 from studies.branches.findings import Findings, Point
 from studies.engine import Page, Setting, Solved, Study, first
 from studies.report.numbers import count, duration, number_text
@@ -27,7 +27,7 @@ from studies.results.rows import Row, row
 
 COLOURS: Final = (BLUE, VERMILION, ORANGE)
 # Files beside the solver that decide numbers.
-SOURCES: Final = (*(Path(module.__file__) for module in (exact, findings, squirm)), squirm.SCENE)
+SOURCES: Final = (*(Path(__file__).with_name(name) for name in ("exact.py", "findings.py", "squirm.py")), squirm.SCENE)
 
 
 @dataclass(frozen=True)

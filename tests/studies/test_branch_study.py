@@ -11,6 +11,7 @@ from mpi4py import MPI
 
 from solvers.state import State
 from studies.branches import study as branch_study
+from studies.branches.findings import Findings
 from studies.branches.squirm import SCENE, in_plane, mirrored
 from studies.branches.study import STUDY, cases, solve
 from studies.engine import Setting, run
@@ -41,7 +42,7 @@ def test_cases_are_within_half_a_percent_of_exact(kept: Path) -> None:
 
 
 def test_cases_that_are_there_are_not_solved_again(kept: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def forbidden(_: MPI.Comm) -> None:
+    def forbidden(_: MPI.Comm) -> Findings:
         raise AssertionError("solved again")
 
     (cube,) = cases({"case": ("cube",)})
