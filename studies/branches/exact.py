@@ -20,12 +20,13 @@ from analytical.laws.isotropic import NeoHooke
 from meshes.bodies import block, joined, sphere_meridian, tube_meridian
 from meshes.solid import FACETS
 from meshes.sweep import revolve_hexahedra
+from solvers.assembly.surfaces import Surfaces
 from solvers.discrete.domain import create_domain
 from solvers.linear.factor import Factor
 from solvers.paths.branch import BranchSettings, follow_branch
 from solvers.paths.path import follow_path
 from solvers.paths.records import PathSettings, PathState
-from solvers.problem import Problem, Surfaces
+from solvers.problem import Problem
 from studies.branches.findings import Findings, Point, fact, point
 
 LAW: Final = NeoHooke(0.1)

@@ -13,14 +13,17 @@ from meshes.solid import SolidMesh
 from solvers.errors import SolverError
 from solvers.linear.factor import Factor
 from solvers.paths.branch import BranchSettings, follow_branch
-from solvers.paths.path import follow_guesses, follow_path
+from solvers.paths.path import follow_path
 from solvers.paths.records import Crossing, GuessMemory, PathSettings, PathState
+from solvers.paths.warm_start import follow_guesses
 from solvers.problem import Problem
 from solvers.state import State
 from studies.branches.findings import Findings, fact, point
-from studies.models.build import revolve_state, scene_body, scene_meridian, scene_problem
+from studies.models.build import revolve_state, scene_problem
 from studies.results import provenance
-from studies.scene.bellows import Scene, load_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_body, scene_meridian
 
 SCENE: Final = provenance.ROOT / "scenes" / "branches" / "short-blocked.toml"
 NAME: Final = "blocked-bellows"
@@ -32,7 +35,7 @@ TOLERANCE: Final = 1e-3
 
 def blocked_bellows(comm: MPI.Comm) -> Findings:
     """The bellows over all ranks: its pair of critical modes, and the branch in the plane y = 0."""
-    scene = load_scene(SCENE)
+    scene = load_bellows(SCENE)
     meridian = comm.bcast(scene_meridian(scene, 1) if comm.rank == 0 else None)
     straight = comm.bcast(_straight(scene, meridian) if comm.rank == 0 else None)
     body = scene_body(meridian, "full3d", AROUND)
@@ -61,7 +64,7 @@ def blocked_bellows(comm: MPI.Comm) -> Findings:
     return Findings(branches, facts, problem.index_map.size_global + problem.extra)
 
 
-def _straight(scene: Scene, meridian: SolidMesh) -> list[PathState]:
+def _straight(scene: BellowsScene, meridian: SolidMesh) -> list[PathState]:
     """The axisymmetric path, at the requested pressures."""
     problem = scene_problem(scene, meridian, MPI.COMM_SELF)
     path = follow_path(problem, Factor(problem), scene.pressures_mpa, PathSettings())

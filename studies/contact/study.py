@@ -12,20 +12,20 @@ import numpy as np
 
 from studies.contact.exact import PROBLEMS, ExactProblem
 from studies.engine import Page, Setting, Solved, Study
+from studies.models.axisymmetric import run_axisymmetric
 from studies.models.contact import SMOOTHING, STIFFNESS
-from studies.models.run_log import Run
 from studies.models.run_rows import requested_rows, run_notes, stops
-from studies.models.runs import run_axisymmetric
 from studies.planning.levels import fineness
 from studies.report.labels import level_label, quantity_label
 from studies.report.numbers import number_text
 from studies.report.tables import Column, Table, pivot, pressure_of, table_of
 from studies.results import provenance
-from studies.results.compare import main_quantity
 from studies.results.measures import find_places, largest_stretches
 from studies.results.rows import Row, row
+from studies.results.runs import Run
 from studies.results.states import load_state
-from studies.scene.bellows import Contact, Scene, at_pressures, load_scene
+from studies.scene.bellows import BellowsScene, Contact, at_pressures
+from studies.scene.files import load_bellows
 
 SCENES: Final = provenance.ROOT / "scenes"
 # Actuators by their files, and pressures in kPa instead of theirs.
@@ -50,13 +50,13 @@ class Found:
     notes: Sequence[str] = ()
 
 
-def cases(options: Mapping[str, Any]) -> list[ExactProblem | Scene]:
+def cases(options: Mapping[str, Any]) -> list[ExactProblem | BellowsScene]:
     """Problems, then actuators."""
-    actuators = [at_pressures(load_scene(SCENES / f"{file}.toml"), kpa) for file, kpa in ACTUATORS.items()]
+    actuators = [at_pressures(load_bellows(SCENES / f"{file}.toml"), kpa) for file, kpa in ACTUATORS.items()]
     return [*PROBLEMS, *actuators]
 
 
-def solve(case: ExactProblem | Scene, at: Setting) -> Found:
+def solve(case: ExactProblem | BellowsScene, at: Setting) -> Found:
     """Rows of a problem, or of an actuator on two meridians, and without contact on the coarser if it touches."""
     if isinstance(case, ExactProblem):
         return Found(case.rows())
@@ -71,7 +71,7 @@ def solve(case: ExactProblem | Scene, at: Setting) -> Found:
     return Found(rows, notes)
 
 
-def actuator_rows(scene: Scene, run: Run, folder: Path, model: str) -> list[Row]:
+def actuator_rows(scene: BellowsScene, run: Run, folder: Path, model: str) -> list[Row]:
     """Rows of a run that is kept in a folder: its states, and how far an actuator that does not touch is stretched."""
     tip = ("tip_force_n", "tip_mm") if scene.blocked else ("tip_mm", "tip_force_n")
     rows = requested_rows(run, folder, scene.load.pressure_kpa, (*tip, *QUANTITIES), model)
@@ -81,7 +81,7 @@ def actuator_rows(scene: Scene, run: Run, folder: Path, model: str) -> list[Row]
     return rows
 
 
-def largest_stretch(scene: Scene, run: Run, folder: Path, pressure_kpa: float) -> float:
+def largest_stretch(scene: BellowsScene, run: Run, folder: Path, pressure_kpa: float) -> float:
     """Largest principal stretch but for half a percent of the nodes, those at the seats' edges; NaN if not there."""
     saved = load_state(folder, run.summary.content_hash, 1e-3 * pressure_kpa)
     if saved is None:
@@ -129,7 +129,7 @@ def run_label(model: str, level: str) -> str:
     return level_label(level) + (", no contact" if model == WITHOUT else "")
 
 
-def page(solved: Sequence[Solved[ExactProblem | Scene, Found]], at: Setting) -> Page:
+def page(solved: Sequence[Solved[ExactProblem | BellowsScene, Found]], at: Setting) -> Page:
     """A table of all problems, and a section per actuator."""
     exact = [r for done in solved if isinstance(done.case, ExactProblem) for r in done.result.rows]
     errors = [abs(r.error_percent) for r in exact if r.level == f"k{STIFFNESS:g}" and not math.isnan(r.error_percent)]
@@ -137,11 +137,11 @@ def page(solved: Sequence[Solved[ExactProblem | Scene, Found]], at: Setting) -> 
         {
             "name": scene.name,
             "title": scene.title,
-            "table": state_table(done.result.rows, main_quantity(scene)),
+            "table": state_table(done.result.rows, scene.main_quantity),
             "notes": done.result.notes,
         }
         for done in solved
-        if isinstance(scene := done.case, Scene)
+        if isinstance(scene := done.case, BellowsScene)
     ]
     content = {
         "exact": exact_table(exact),

@@ -9,15 +9,16 @@ from pathlib import Path
 from typing import Final
 
 from studies.engine import Setting
-from studies.models.build import scene_body, scene_meridian
-from studies.models.run_log import Run
-from studies.models.run_rows import requested_state
-from studies.models.runs import run_axisymmetric, run_body
-from studies.models.tip_pose import TipPose, tip_pose
+from studies.models.axisymmetric import run_axisymmetric
+from studies.models.full3d import run_full3d
+from studies.models.tip import TipPose, tip_pose
 from studies.planning.levels import BodyLevel
 from studies.results import provenance
+from studies.results.runs import Run
 from studies.results.states import load_state
-from studies.scene.bellows import Scene, at_pressures, core_shift_mm, load_scene
+from studies.scene.bellows import BellowsScene, at_pressures, core_shift_mm
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_body, scene_meridian
 
 # How far the core sat off the axis, of the wall.
 SHARES: Final = (0.0, 0.05, 0.10)
@@ -32,9 +33,9 @@ class Actuator:
     pressures_kpa: tuple[float, ...]
     levels: tuple[BodyLevel, ...]
 
-    def scene(self, share: float) -> Scene:
+    def scene(self, share: float) -> BellowsScene:
         """The scene with a core off the axis by a share of the wall."""
-        base = at_pressures(load_scene(provenance.ROOT / "scenes" / self.file), self.pressures_kpa)
+        base = at_pressures(load_bellows(provenance.ROOT / "scenes" / self.file), self.pressures_kpa)
         geometry = base.geometry.model_copy(update={"eccentricity": share})
         ask = base.ask.model_copy(update={"fields": False})
         name = f"{self.name}-e{100.0 * share:02.0f}"
@@ -45,7 +46,7 @@ class Actuator:
 class Body:
     """A run, and how its tip stands at the requested pressures that it reached, by kPa."""
 
-    scene: Scene
+    scene: BellowsScene
     level: BodyLevel
     folder: Path
     run: Run
@@ -58,7 +59,7 @@ class Body:
 
     def value(self, quantity: str, pressure_kpa: float) -> float:
         """``tip_mm``, ``tip_bend_deg``, ``tip_sideways_mm`` or ``unstable_modes``; NaN if it was not reached."""
-        state, pose = requested_state(self.run, pressure_kpa), self.poses.get(pressure_kpa)
+        state, pose = self.run.at(pressure_kpa), self.poses.get(pressure_kpa)
         if state is None or pose is None:
             return math.nan
         values = {
@@ -86,7 +87,7 @@ def solve_body(actuator: Actuator, share: float, level: BodyLevel, at: Setting) 
     scene, folder = actuator.scene(share), at.out / actuator.name
     centred, place = folder / f"axisymmetric-r{level.meridian}", folder / f"{scene.name}-{level.name}"
     run_axisymmetric(scene, level.meridian, centred, at.comm, at.progress)
-    run = run_body(scene, "full3d", level, centred, place, at.comm, at.progress, ())
+    run = run_full3d(scene, "full3d", level, centred, place, at.comm, at.progress, ())
     poses = {}
     if at.comm.rank == 0:
         body = scene_body(scene_meridian(scene, level.meridian), "full3d", level.around, core_shift_mm(scene))

@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Final
 
 from studies.imperfection.bodies import SHARES, Actuator, Body
-from studies.models.build import scene_body, scene_meridian
 from studies.report.labels import level_label
 from studies.report.pictures.bent import Bent, draw_bent
 from studies.report.style import ABOVE, BLACK, BLUE, ORANGE, VERMILION, figure_file
 from studies.results.states import load_state
 from studies.scene.bellows import core_shift_mm
+from studies.scene.meshes import scene_body, scene_meridian
 
 LOOKS: Final = {0.0: (BLACK, "o"), 0.05: (ORANGE, "s"), 0.10: (VERMILION, "D")}
 

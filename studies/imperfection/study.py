@@ -12,12 +12,12 @@ import click
 from studies.engine import Page, Setting, Solved, Study
 from studies.imperfection.bodies import SHARES, Actuator, Body, solve
 from studies.imperfection.pictures import draw_bends, draw_shapes
-from studies.models.run_rows import stopped_text
 from studies.planning.levels import BodyLevel
 from studies.report.labels import level_label
 from studies.report.numbers import duration
 from studies.report.tables import Column, Table, pivot, pressure_of
-from studies.results.rows import REACHED, Row, row
+from studies.results.rows import Row, row
+from studies.results.runs import value_status
 from studies.scene.bellows import core_shift_mm
 
 ACTUATORS: Final = (
@@ -44,7 +44,7 @@ def rows_of(actuator: Actuator, bodies: Sequence[Body]) -> list[Row]:
     for pressure, body, name in product(actuator.pressures_kpa, bodies, UNITS):
         scene, level, value = body.scene.name, body.level.name, body.value(name, pressure)
         known, source = _reference(name, body, pressure, bodies)
-        status = REACHED if pressure in body.poses else stopped_text(body.run)
+        status = value_status(body.run, body.value("tip_mm", pressure))
         rows.append(row(scene, name, UNITS[name], pressure, "full3d", value, level, math.nan, known, source, status))
     return rows
 

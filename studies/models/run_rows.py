@@ -10,9 +10,9 @@ import numpy as np
 
 from meshes.solid import FloatArray
 from studies.models.contact import CONTACT_FILE, MODELLED, read_reports
-from studies.models.run_log import CONTACT, Run
-from studies.results.files import PathRow
+from studies.models.run_log import CONTACT
 from studies.results.rows import Row, is_reached, row
+from studies.results.runs import Run, value_status
 
 # Name and unit of what a state has, in the order of its rows.
 STATE_QUANTITIES: Mapping[str, str] = {
@@ -25,20 +25,6 @@ STATE_QUANTITIES: Mapping[str, str] = {
     "unstable_modes": "1",
     "min_det_f": "1",
 }
-
-
-def requested_state(run: Run, pressure_kpa: float) -> PathRow | None:
-    """The requested state of a run at a pressure; None if it was not reached."""
-    for entry in run.path:
-        if entry.status == "requested" and math.isclose(entry.pressure_kpa, pressure_kpa, rel_tol=1e-9):
-            return entry
-    return None
-
-
-def stopped_text(run: Run) -> str:
-    """Status of what a run did not reach."""
-    last = run.path[-1].pressure_kpa if run.path else 0.0
-    return f"stopped at {last:.3f} kPa: {run.summary.reason}"
 
 
 def requested_rows(
@@ -71,9 +57,9 @@ def _state_rows(
     finest: Run | None,
 ) -> list[Row]:
     scene, level, main = run.summary.scene, run.summary.level, quantities[0]
-    found = requested_state(run, pressure_kpa)
+    found = run.at(pressure_kpa)
     if found is None:
-        unit, status = STATE_QUANTITIES[main], stopped_text(run)
+        unit, status = STATE_QUANTITIES[main], value_status(run, math.nan, ".3f")
         return [row(scene, main, unit, pressure_kpa, model, math.nan, level, status=status)]
     here = [c for c in contacts if math.isclose(float(c["pressure_kpa"]), pressure_kpa, rel_tol=1e-5)]
     touching = {
@@ -91,7 +77,7 @@ def _state_rows(
 
 def _reference(finest: Run | None, pressure_kpa: float, quantity: str, model: str) -> tuple[float, str]:
     """What the finest run says of a quantity, and its name; NaN and empty if it says nothing."""
-    found = requested_state(finest, pressure_kpa) if finest else None
+    found = finest.at(pressure_kpa) if finest else None
     if finest is None or found is None:
         return math.nan, ""
     return float(getattr(found, quantity)), f"{model} {finest.summary.level}"

@@ -9,15 +9,13 @@ from itertools import product
 from typing import Final
 
 from solvers.stability.modes import WAVES
-from studies.models.body_session import CORNER_ORDER
 from studies.models.modes import COUNTED_LEVELS, FoundCrossing, counts_of
 from studies.models.modes_model import ModesModel
-from studies.models.run_log import Run
-from studies.models.run_rows import requested_state, stopped_text
-from studies.results.compare import MERIDIAN_ORDER
+from studies.results.body_rows import CORNER_ORDER
 from studies.results.rows import REACHED, Row, row
+from studies.results.runs import MERIDIAN_ORDER, Run, value_status
 from studies.results.uncertainty import UNKNOWN, Convergence, from_two
-from studies.scene.bodies import ExactScene
+from studies.scene.bodies import BodyScene
 
 # What rows have of a crossing: their name's end, which of its numbers, and the unit.
 CROSSING: Final = (
@@ -64,8 +62,8 @@ class SceneModes:
         for run in self.runs:
             label = f"{self.name}, {run.summary.level}"
             if run.summary.status != REACHED:
-                said.append(f"{label}: {stopped_text(run)}")
-            missing = [s.pressure_kpa for s in run.path if s.status == "requested" and not s.unstable_by_m]
+                said.append(f"{label}: {value_status(run, math.nan)}")
+            missing = [s.pressure_kpa for s in run.requested if not s.unstable_by_m]
             if missing:
                 said.append(f"{label}: modes are not counted at {', '.join(f'{p:g}' for p in missing)} kPa")
         return said
@@ -78,14 +76,14 @@ class SceneModes:
 def count_rows(model: ModesModel, runs: Sequence[Run]) -> list[Row]:
     """Unstable modes of each harmonic at each requested pressure."""
     rows = []
-    for pressure, run in product(model.loads_kpa, runs):
-        state = requested_state(run, pressure)
+    for pressure, run in product(model.scene.loads_kpa, runs):
+        state = run.at(pressure)
         counts = counts_of(state) if state else ()
-        status = REACHED if counts else stopped_text(run)
+        scene, level = model.scene.name, run.summary.level
         for m in WAVES:
-            value, level = float(counts[m]) if counts else math.nan, run.summary.level
-            name = f"unstable_m{m}"
-            rows.append(row(model.scene.name, name, "1", pressure, "axisymmetric", value, level, status=status))
+            value = float(counts[m]) if counts else math.nan
+            status = value_status(run, value, ".6g")
+            rows.append(row(scene, f"unstable_m{m}", "1", pressure, "axisymmetric", value, level, status=status))
     return rows
 
 
@@ -95,7 +93,7 @@ def crossing_rows(model: ModesModel, runs: Sequence[Run], crossings: Sequence[Se
     if not waves:
         return [_row(model, run, "crossing_kpa", "kPa", math.nan, status=_none_up_to(run)) for run in runs]
     rows = []
-    order = CORNER_ORDER if isinstance(model.scene, ExactScene) else MERIDIAN_ORDER
+    order = CORNER_ORDER if isinstance(model.scene, BodyScene) else MERIDIAN_ORDER
     for m, (name, number, unit) in product(waves, CROSSING):
         of_m = [next((c for c in found if c.waves == m), None) for found in crossings]
         values = [float(getattr(c, number)) if c else math.nan for c in of_m]

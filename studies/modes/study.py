@@ -21,7 +21,7 @@ from studies.modes.tables import bodies_table, caption, counts_table, crossings_
 from studies.report.labels import level_label
 from studies.results import provenance
 from studies.results.rows import Row
-from studies.scene.bodies import load_any_scene
+from studies.scene.files import load_scene
 
 SCENES: Final = provenance.ROOT / "scenes"
 # The paper's four actuators, two of them with their tips held, a shorter one, and a clamped tube.
@@ -51,7 +51,7 @@ class Case:
 
 def cases(options: Mapping[str, Any]) -> list[Case | Ring]:
     """The scenes that are given; else those of the study, and rings."""
-    models = {file: ModesModel(load_any_scene(file)) for file in options["scenes"] or FILES}
+    models = {file: ModesModel(load_scene(file)) for file in options["scenes"] or FILES}
     for model in models.values():
         model.check()
     if options["scenes"]:

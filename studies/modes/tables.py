@@ -29,7 +29,7 @@ def summary(results: Sequence[SceneModes], rows: Sequence[Row]) -> list[str]:
     lines = []
     stable = [r for r in results if not r.stops and not any(any(counts_of(p)) for run in r.runs for p in run.path)]
     if stable:
-        names = ", ".join(f"{r.name} (to {r.model.loads_kpa[-1]:g} kPa)" for r in stable)
+        names = ", ".join(f"{r.name} (to {r.model.scene.loads_kpa[-1]:g} kPa)" for r in stable)
         lines.append(f"Stable in m = 0…6 at every requested pressure, on both meridians: {names}.")
     lines += [_first_loss(result) for result in results if result.crossings[-1]]
     if bodies := bodies_of(rows):

@@ -15,10 +15,10 @@ from studies.branches.findings import Findings
 from studies.branches.squirm import SCENE, in_plane, mirrored
 from studies.branches.study import STUDY, cases, solve
 from studies.engine import Setting, run
-from studies.models.build import scene_body, scene_meridian
 from studies.progress import Progress
 from studies.results.rows import read_rows
-from studies.scene.bellows import load_scene
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_body, scene_meridian
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +55,7 @@ def test_cases_that_are_there_are_not_solved_again(kept: Path, monkeypatch: pyte
 
 
 def test_part_of_a_mode_in_the_plane_of_symmetry() -> None:
-    body = scene_body(scene_meridian(load_scene(SCENE), 1), "full3d", 6)
+    body = scene_body(scene_meridian(load_bellows(SCENE), 1), "full3d", 6)
     x, y, z = body.points.T
     # a shear along a direction at 30 degrees from x, and a ring that follows
     way = np.array([np.cos(np.pi / 6.0), np.sin(np.pi / 6.0), 0.0])

@@ -15,7 +15,8 @@ from studies.contact.study import STUDY, exact_table, state_table
 from studies.engine import run
 from studies.models.contact import LIMIT, STIFFNESS
 from studies.results.rows import REACHED, Row, read_rows, row
-from studies.scene.bellows import at_pressures, load_scene
+from studies.scene.bellows import at_pressures
+from studies.scene.files import load_bellows
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +64,7 @@ def test_table_of_states_leaves_what_was_not_reached_empty() -> None:
 
 
 def test_page_of_a_small_bellows_and_a_problem(root: Path, tmp_path: Path) -> None:
-    smoke = at_pressures(load_scene(root / "scenes" / "smoke-t2-ri5.toml"), [2.0])
+    smoke = at_pressures(load_bellows(root / "scenes" / "smoke-t2-ri5.toml"), [2.0])
     study = dataclasses.replace(STUDY, cases=lambda options: [PROBLEMS[-1], smoke])
     assert run(study, tmp_path, MPI.COMM_WORLD, {}) == 0
     text = (tmp_path / "report.md").read_text(encoding="utf-8")
