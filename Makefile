@@ -144,7 +144,7 @@ study-stability: check ## stress test: hundreds of cells, none may be a wrong an
 
 .PHONY: study-modes
 study-modes: check ## modes that break the symmetry: from which pressure on, in which shape -> results/modes
-	$(LAUNCH) -m studies modes --out results/modes
+	$(LAUNCH) -m studies study modes --out results/modes
 
 .PHONY: study-peers
 study-peers: check ## the same bellows in CalculiX, NGSolve, FElupe and the tutorial way; hours -> results/peers
@@ -161,15 +161,15 @@ study-error-model: check ## fit what meshes leave of error and take of time; ten
 
 .PHONY: study-branches
 study-branches: check ## paths whose volume turns back, branches beyond buckling, squirm of a blocked bellows -> results/branches
-	$(LAUNCH) -m studies.branches.study --out results/branches
+	$(LAUNCH) -m studies study branches --out results/branches
 
 .PHONY: study-imperfection
 study-imperfection: check ## actuators whose moulding core sat off the axis: bend, elongation; full 3D -> results/imperfection
-	$(LAUNCH) -m studies.imperfection.study --out results/imperfection
+	$(LAUNCH) -m studies study imperfection --out results/imperfection
 
 .PHONY: study-contact
 study-contact: check ## contact: exact problems, folds that touch, 1 mm actuators to 80 kPa -> results/contact
-	$(PY) -m studies.contact.study --out results/contact
+	$(PY) -m studies study contact --out results/contact
 
 .PHONY: study-vacuum
 study-vacuum: check ## scenes/vacuum: what bellows contract to, with contact of their folds -> results/vacuum

@@ -35,6 +35,10 @@ ROWS_FILE = "rows.csv"
 STUDIES: Mapping[str, str] = {
     "closed-form": "studies.closed_form.study",
     "dimensions": "studies.dimensions.study",
+    "modes": "studies.modes.study",
+    "branches": "studies.branches.study",
+    "imperfection": "studies.imperfection.study",
+    "contact": "studies.contact.study",
     "vacuum": "studies.vacuum.study",
     "benchmark-closed-form": "studies.closed_form.speed",
 }
@@ -109,6 +113,8 @@ class Page:
         What it must show; the exit code is 3 if one is not met.
     tables
         Other files of rows by name, such as crossings.csv.
+    headlines
+        What the terminal is told, a line each.
     """
 
     rows: Sequence[Row]
@@ -116,6 +122,7 @@ class Page:
     stopped: Sequence[str] = ()
     bars: Sequence[Bar] = ()
     tables: Mapping[str, Sequence[Row]] = field(default_factory=dict)
+    headlines: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -270,7 +277,7 @@ def _write(
     report = write_page(setting.out, study.template, {**facts, **page.content})
     for line in [*stopped, *(f"not met: {bar.wanted}: {bar.found}" for bar in missed)]:
         click.echo(line, err=True)
-    click.echo(f"report: {report}")
+    click.echo("\n".join([*page.headlines, f"report: {report}"]))
     return STOPPED if stopped or missed else REACHED
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 import time
 from pathlib import Path
@@ -10,7 +9,7 @@ from pathlib import Path
 import click
 from mpi4py import MPI
 
-from studies.command.common import BAD_INPUT, OUT, STOPPED, cannot_write, check_writable, load_scenes, say
+from studies.command.common import OUT, STOPPED, cannot_write, check_writable, load_scenes, say
 from studies.command.report import write_reports
 from studies.command.solve import solve_scene
 from studies.models.session import run_all_models
@@ -18,24 +17,10 @@ from studies.planning.bellows import SECTOR_LEVELS, plan_bellows
 from studies.planning.error_model import ROUNDS, cells_of
 from studies.progress import Progress
 from studies.results import provenance
-from studies.results.rows import Row
 from studies.scene.bellows import BellowsScene
 from studies.scene.bodies import BodyScene
-from studies.scene.sections import SceneError
 
 SMOKE_SCENE = "smoke-t2-ri5"
-
-
-def shown(entry: Row) -> str:
-    """A row for the terminal."""
-    at = "" if math.isnan(entry.pressure_kpa) else f"{entry.pressure_kpa:g} kPa  "
-    name = "" if entry.quantity == "tip_mm" else f"{entry.quantity} "
-    if math.isnan(entry.value):
-        return f"{at}{entry.model} {entry.level}: {name}{entry.status}"
-    spread = "" if math.isnan(entry.uncertainty) else f" +- {entry.uncertainty:.2g}"
-    exact = "" if math.isnan(entry.reference) else f" ({entry.error_percent:+.4f} % from {entry.source})"
-    digits = ".3f" if entry.quantity == "tip_mm" else ".6g"
-    return f"{at}{entry.model} {entry.level}: {name}{entry.value:{digits}}{spread} {entry.unit}{exact if name else ''}"
 
 
 @click.command()
@@ -120,39 +105,6 @@ def smoke(out: Path) -> None:
     sys.exit(code)
 
 
-@click.command("modes")
-@click.argument("scenes", nargs=-1, type=click.Path(path_type=Path))
-@OUT
-@click.option("--full3d", is_flag=True, help="Confirm the first crossing of each of SCENES on the whole body.")
-def modes_command(scenes: tuple[Path, ...], out: Path, full3d: bool) -> None:
-    """Find where axisymmetric states of SCENES lose stability in m = 0…6 waves round, and draw the modes.
-
-    Without SCENES those of the study, with a ring of exact buckling loads and bodies in full 3D beside them.
-    """
-    from studies.modes import study as modes_study
-
-    try:
-        models = [(modes_study.load_model(p), p.read_text(encoding="utf-8")) for p in scenes or modes_study.STUDY]
-    except SceneError as error:
-        if MPI.COMM_WORLD.rank == 0:
-            click.echo(str(error), err=True)
-        sys.exit(BAD_INPUT)
-    check_writable(out)
-    names = [model.scene.name for model, _ in models]
-    confirmed = (names if full3d else []) if scenes else list(modes_study.CONFIRMED)
-    try:
-        results, faults = modes_study.run_study(models, confirmed, not scenes, out, MPI.COMM_WORLD)
-    except OSError as error:
-        sys.exit(cannot_write("modes", error))
-    for fault in faults if MPI.COMM_WORLD.rank == 0 else []:
-        click.echo(fault, err=True)
-    rows = [r for result in results for r in result.rows]
-    lines = [f"{entry.scene}  {shown(entry)}" for entry in modes_study.headlines(rows)]
-    say("\n".join([*lines, *modes_study.confirmations(rows)]))
-    say(f"report: {out / 'report.html'}")
-    sys.exit(STOPPED if faults or not all(result.reached for result in results) else 0)
-
-
 @click.command("exact")
 @OUT
 def exact_command(out: Path) -> None:
@@ -208,7 +160,6 @@ COMMANDS = (
     sweep_study_command,
     stability_command,
     smoke,
-    modes_command,
     exact_command,
     verification_command,
     benchmark_solver,

@@ -36,6 +36,8 @@ class Column:
         How a value is written, as for `format`; or what writes a row's cell.
     model, level, scene, pressure_kpa
         Of the rows it shows; empty or None for any.
+    number
+        Which number of a row it shows: ``value``, ``reference``, ``error_percent`` or ``uncertainty``.
     """
 
     header: str
@@ -45,6 +47,7 @@ class Column:
     level: str = ""
     scene: str = ""
     pressure_kpa: float | None = None
+    number: str = "value"
 
     def shows(self, row: Row) -> bool:
         """True for the rows of this column."""
@@ -60,7 +63,7 @@ class Column:
         """The cell of a row, or of none."""
         if row is None:
             return missing
-        return self.form(row) if callable(self.form) else number_text(row.value, self.form, missing)
+        return self.form(row) if callable(self.form) else number_text(getattr(row, self.number), self.form, missing)
 
 
 def per_level(header: str, quantity: str, form: str, levels: Iterable[str], model: str = "") -> list[Column]:
