@@ -263,18 +263,6 @@ def sweep_study_command(out: Path) -> None:
     sys.exit(0 if outcome.reached else STOPPED)
 
 
-@main.command("stability")
-@OUT_OPTION
-def stability_command(out: Path) -> None:
-    """Push bodies along the axes on which solvers break; the exit code is 3 if any cell is a wrong answer."""
-    from studies.stability import study as stability_study
-
-    _writable(out)
-    report, ok = stability_study.write_study(out, MPI.COMM_WORLD, _out)
-    _out(f"report: {report}")
-    sys.exit(0 if ok else STOPPED)
-
-
 @main.command()
 @OUT_OPTION
 def smoke(out: Path) -> None:

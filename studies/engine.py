@@ -34,6 +34,9 @@ ROWS_FILE = "rows.csv"
 # Studies in the order of a reader's questions, and the module that has each as STUDY.
 STUDIES: Mapping[str, str] = {
     "vacuum": "studies.vacuum.study",
+    "stability": "studies.stability.study",
+    "large": "studies.large.study",
+    "stacks": "studies.stacks.study",
 }
 
 
