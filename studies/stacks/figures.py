@@ -18,7 +18,6 @@ from pathlib import Path
 import click
 
 from studies import launch
-from studies.engine import ROWS_FILE
 from studies.results import provenance
 from studies.results.files import read_summary, write_text_atomically
 from studies.results.rows import read_rows, write_rows
