@@ -7,6 +7,7 @@ Bodies are meridians: thick tubes and spheres with exact answers, and a bellows 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -144,9 +145,10 @@ class Cell:
 
 @dataclass(frozen=True)
 class Axis:
-    """A map: what its rows and columns are."""
+    """A map: what its rows and columns are, and the cells on it."""
 
     name: str
     title: str
     rows: str
     columns: str
+    cells: Callable[[], list[Cell]]

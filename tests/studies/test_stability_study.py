@@ -17,7 +17,7 @@ from studies.results.rows import read_rows
 from studies.stability.cases import AXES, CONTROL, cases, controls, product
 from studies.stability.cells import Bellows, Cell, Round
 from studies.stability.exact import exact_answer
-from studies.stability.judge import CRASH, Outcome, crash
+from studies.stability.judge import CRASH, Outcome
 from studies.stability.ranks import Job, run_in_child
 from studies.stability.run import run_cell
 from studies.stability.study import bars_of, job_of, key_of, stress_test
@@ -153,8 +153,9 @@ def test_a_child_that_fails_is_a_crash_and_is_tried_again(tmp_path, monkeypatch)
     monkeypatch.setattr("studies.launch.run", no_mpirun)
     run_in_child([job], 2, 1, tmp_path)
     found = read_kept(job.file, job.key, Outcome)
-    assert found == crash("2 ranks with 1 threads: no such file: mpirun")
-    assert (found.verdict, found.cause) == ("wrong", CRASH) and job.missing
+    assert found is not None and job.missing
+    assert (found.verdict, found.cause) == ("wrong", CRASH)
+    assert found.reason == "2 ranks with 1 threads: no such file: mpirun"
 
 
 def test_one_wrong_answer_makes_the_study_fail() -> None:
