@@ -10,7 +10,7 @@ import dataclasses
 import hashlib
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Final
@@ -19,10 +19,10 @@ import click
 from mpi4py import MPI
 
 from studies.branches.cases import CASES, ON_ALL_RANKS, SOURCES, CaseResult, Fact, Point
-from studies.report.numbers import count, duration
+from studies.report.numbers import count, duration, number_text
 from studies.report.pages import write_page
 from studies.report.style import BLACK, BLUE, ORANGE, VERMILION, figure_file
-from studies.report.tables import Table
+from studies.report.tables import Table, facts_table, table_of
 from studies.results import provenance
 from studies.results.files import write_text_atomically
 from studies.results.rows import Row, row, write_rows
@@ -145,13 +145,15 @@ def _branch_table(result: CaseResult) -> Table:
 
 
 def _fact_table(result: CaseResult) -> Table:
-    lines = []
-    for f in result.facts:
-        known = not math.isnan(f.reference)
-        off = f"{100.0 * (f.value / f.reference - 1.0):+.4f}" if known and f.reference else "–"
-        reference = f"{f.reference:.6g}" if known else "–"
-        lines.append((f.quantity, f.unit, f"{f.value:.6g}", reference, f.source, off))
-    return Table(("what", "unit", "found", "reference", "source", "off, %"), tuple(lines), left=(0, 1, 4))
+    columns: dict[str, Callable[[Fact], str]] = {
+        "what": lambda f: f.quantity,
+        "unit": lambda f: f.unit,
+        "found": lambda f: f"{f.value:.6g}",
+        "reference": lambda f: number_text(f.reference, ".6g"),
+        "source": lambda f: f.source,
+        "off, %": lambda f: number_text(100.0 * (f.value / (f.reference or math.nan) - 1.0), "+.4f"),
+    }
+    return table_of(result.facts, columns, left=(0, 1, 4))
 
 
 def _draw(path: Path, result: CaseResult) -> None:
@@ -202,7 +204,7 @@ def write_report(folder: Path, found: Sequence[tuple[CaseResult, dict[str, str]]
             }
             for result, _ in found
         },
-        "provenance": Table(("what", "value"), tuple(stamps.items()), left=(0, 1)),
+        "provenance": facts_table(stamps),
     }
     return write_page(folder, "branches.md.j2", content)
 

@@ -19,7 +19,7 @@ from studies.report.curves import Curve, draw_elongation
 from studies.report.labels import model_label
 from studies.report.numbers import duration
 from studies.report.pages import write_page
-from studies.report.tables import Table
+from studies.report.tables import Table, facts_table
 from studies.results import provenance
 from studies.results.rows import Row, write_rows
 from studies.verification import two_routes as exact_table
@@ -166,4 +166,4 @@ def _map(
 def _provenance() -> Table:
     versions = {name: value for name, value in provenance.versions().items() if name in _VERSIONS}
     stamps = {"commit": provenance.commit(), "date": provenance.now(), "machine": provenance.machine(), **versions}
-    return Table(("what", "value"), tuple(stamps.items()), left=(0, 1))
+    return facts_table(stamps)

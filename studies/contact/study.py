@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -22,8 +22,10 @@ from studies.models.run_log import CONTACT, Run
 from studies.models.runs import run_axisymmetric
 from studies.planning.levels import fineness
 from studies.progress import Progress
+from studies.report.labels import level_label
+from studies.report.numbers import number_text
 from studies.report.pages import write_page
-from studies.report.tables import Table
+from studies.report.tables import Column, Table, pivot, pressure_of, table_of
 from studies.results import provenance
 from studies.results.files import PathRow, read_summary
 from studies.results.measures import find_places, largest_stretches
@@ -152,55 +154,40 @@ def notes_of(case: Case, folder: Path) -> list[str]:
 # --- report -------------------------------------------------------------------------------------------------
 
 
-def _text(value: float, digits: int = 4) -> str:
-    return "" if math.isnan(value) else f"{value:.{digits}g}"
-
-
 def exact_table(rows: Sequence[Row]) -> Table:
     """Problem, quantity, penalty, value, reference, error."""
-    lines = [
-        (r.scene, r.quantity, r.level[1:], f"{r.pressure_kpa:.2f}", _text(r.value, 6), _text(r.reference, 6),
-         _text(r.error_percent, 2), r.source)
-        for r in rows
-    ]  # fmt: skip
-    header = (
-        "problem",
-        "quantity",
-        "penalty, moduli per wall",
-        "kPa",
-        "value",
-        "reference",
-        "error, %",
-        "reference is",
-    )
-    return Table(header, tuple(lines), (0, 1, 7))
+    columns: dict[str, Callable[[Row], str]] = {
+        "problem": lambda r: r.scene,
+        "quantity": lambda r: r.quantity,
+        "penalty, moduli per wall": lambda r: r.level[1:],
+        "kPa": lambda r: f"{r.pressure_kpa:.2f}",
+        "value": lambda r: number_text(r.value, ".6g"),
+        "reference": lambda r: number_text(r.reference, ".6g"),
+        "error, %": lambda r: number_text(r.error_percent, ".2g"),
+        "reference is": lambda r: r.source,
+    }
+    return table_of(rows, columns, left=(0, 1, 7))
 
 
 def state_table(rows: Sequence[Row], quantity: str) -> Table:
     """A line per pressure: the quantity by model and level, gap and contact force (or stretch) of the finest, modes."""
-    stretched = any(r.quantity == "largest_stretch" for r in rows)
-    value = {(r.model, r.level, r.pressure_kpa, r.quantity): r.value for r in rows}
     runs = list(dict.fromkeys((r.model, r.level) for r in rows))
-    finest = [run for run in runs if run[0] == "axisymmetric"][-1]
-    lines = []
-    for pressure in dict.fromkeys(r.pressure_kpa for r in rows):
+    model, finest = [run for run in runs if run[0] == "axisymmetric"][-1]
 
-        def cell(run: tuple[str, str], name: str, digits: int = 4, p: float = pressure) -> str:
-            return _text(value.get((*run, p, name), math.nan), digits)
+    def of_runs(header: str, quantity: str, form: str) -> list[Column]:
+        without = {run: ", no contact" if "no" in run[0] else "" for run in runs}
+        return [Column(f"{header}: {level_label(run[1])}{without[run]}", quantity, form, *run) for run in runs]
 
-        lines.append(
-            (f"{pressure:g}", *(cell(run, quantity, 5) for run in runs), cell(finest, "min_gap_mm", 2),
-             cell(finest, "largest_stretch" if stretched else "contact_force_n", 3),
-             *(cell(run, "unstable_modes") for run in runs))
-        )  # fmt: skip
-    names = [f"{level}{', no contact' if 'no' in model else ''}" for model, level in runs]
-    unit = "tip force, N" if quantity == "tip_force_n" else "tip, mm"
-    header = (
-        "kPa", *(f"{unit}: {n}" for n in names), f"least gap, mm: {finest[1]}",
-        f"largest stretch: {finest[1]}" if stretched else f"contact force, N: {finest[1]}",
-        *(f"unstable modes: {n}" for n in names),
-    )  # fmt: skip
-    return Table(header, tuple(lines), ())
+    largest = Column(f"contact force, N: {level_label(finest)}", "contact_force_n", ".3g", model, finest)
+    if any(r.quantity == "largest_stretch" for r in rows):
+        largest = Column(f"largest stretch: {level_label(finest)}", "largest_stretch", ".3g", model, finest)
+    columns = [
+        *of_runs("tip force, N" if quantity == "tip_force_n" else "tip, mm", quantity, ".5g"),
+        Column(f"least gap, mm: {level_label(finest)}", "min_gap_mm", ".2g", model, finest),
+        largest,
+        *of_runs("unstable modes", "unstable_modes", ".4g"),
+    ]
+    return pivot(rows, {"kPa": pressure_of}, columns)
 
 
 def write_study(out: Path, progress: Progress) -> tuple[Path, bool]:

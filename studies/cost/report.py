@@ -24,7 +24,7 @@ from studies.report.bars import draw_times
 from studies.report.labels import model_label
 from studies.report.numbers import MISSING, count, short_time
 from studies.report.pages import write_page
-from studies.report.tables import Table
+from studies.report.tables import Table, facts_table
 from studies.results import provenance
 from studies.results.rows import Row, read_rows
 
@@ -390,4 +390,4 @@ def _provenance() -> Table:
         "BLAS": provenance.blas(),
         **provenance.versions(),
     }
-    return Table(("what", "value"), tuple(facts.items()), (0, 1))
+    return facts_table(facts)

@@ -30,7 +30,7 @@ from studies.dimensions.fit import (
 from studies.dimensions.scenes import scene_of, write_scenes
 from studies.report.numbers import duration
 from studies.report.pages import write_page
-from studies.report.tables import Table
+from studies.report.tables import Table, facts_table
 from studies.results import provenance
 
 TITLE: Final = "The dimensions that the paper does not print: what fits, and what depends on it"
@@ -107,4 +107,4 @@ def _content(study: DimensionStudy, predicted: tuple[Prediction, ...]) -> dict[s
 def _provenance() -> Table:
     versions = {name: value for name, value in provenance.versions().items() if name in _VERSIONS}
     stamps = {"commit": provenance.commit(), "date": provenance.now(), "machine": provenance.machine(), **versions}
-    return Table(("what", "value"), tuple(stamps.items()), left=(0, 1))
+    return facts_table(stamps)

@@ -24,11 +24,12 @@ from studies.models.runs import run_axisymmetric, run_body
 from studies.models.tip_pose import TipPose, tip_pose
 from studies.planning.levels import BodyLevel
 from studies.progress import Progress
+from studies.report.labels import level_label
 from studies.report.numbers import duration
 from studies.report.pages import write_page
 from studies.report.pictures.bent import Bent, draw_bent
 from studies.report.style import BLACK, BLUE, ORANGE, VERMILION, figure_file
-from studies.report.tables import Table
+from studies.report.tables import Table, facts_table
 from studies.results import provenance
 from studies.results.rows import REACHED, Row, row, write_rows
 from studies.results.states import load_state
@@ -174,7 +175,7 @@ def _table(case: Case, found: Sequence[Found]) -> Table:
         for item in found:
             pose = item.poses.get(pressure)
             if pose is None:
-                lines.append((f"{pressure:g}", f"{100 * item.share:g}", item.level.name, *["–"] * 5))
+                lines.append((f"{pressure:g}", f"{100 * item.share:g}", level_label(item.level.name), *["–"] * 5))
                 continue
             change = item.tip_mm(pressure) / first[0].tip_mm(pressure) - 1.0 if item in first else math.nan
             modes = [r.unstable_modes for r in item.run.path if math.isclose(r.pressure_kpa, pressure)][0]
@@ -182,7 +183,7 @@ def _table(case: Case, found: Sequence[Found]) -> Table:
                 (
                     f"{pressure:g}",
                     f"{100.0 * item.share:g}",
-                    item.level.name,
+                    level_label(item.level.name),
                     f"{item.tip_mm(pressure):.3f}",
                     "–" if math.isnan(change) else f"{100.0 * change:+.3f}",
                     f"{pose.bend_deg:.3f}",
@@ -250,7 +251,9 @@ def _draw_curves(path: Path, cases: Sequence[tuple[Case, list[Found]]]) -> None:
             for item in found[len(SHARES) :]:
                 bends = [item.poses[p].bend_deg for p in sorted(item.poses)]
                 look = {"marker": "+" if item.level.meridian > 1 else "x", "linestyle": "none", "color": BLUE}
-                grid[0][column].plot(sorted(item.poses), bends, label=f"the same, {item.level.name}", **look)
+                grid[0][column].plot(
+                    sorted(item.poses), bends, label=f"the same, {level_label(item.level.name)}", **look
+                )
             grid[0][column].set_title(Path(case.file).stem.removesuffix("-core-10"), fontsize=10)
             grid[1][column].set_xlabel("pressure, kPa")
         grid[0][0].set_ylabel("bend of the tip, degree")
@@ -308,7 +311,7 @@ def write_report(folder: Path, cases: Sequence[tuple[Case, list[Found]]]) -> Pat
         ],
         "pictures": _draw_shapes(folder, cases),
         "seconds": duration(float(np.sum([item.run.summary.time_s["total"] for item in everything]))),
-        "provenance": Table(("what", "value"), tuple(stamps.items()), left=(0, 1)),
+        "provenance": facts_table(stamps),
     }
     return write_page(folder, "imperfection.md.j2", content)
 

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from studies.models.modes import counts_of
 from studies.modes.full3d import BAND
-from studies.report.numbers import MISSING, rounded_up, signed
+from studies.report.labels import level_label
+from studies.report.numbers import MISSING, number_text, rounded_up, signed
 from studies.report.pages import write_page
-from studies.report.tables import Table
+from studies.report.tables import Table, facts_table, table_of
 from studies.results import provenance
 from studies.results.rows import Row, is_reached
 
@@ -40,7 +41,7 @@ def write_report(folder: Path, results: Sequence[SceneModes], rows: Sequence[Row
         "summary": _summary(results, bodies, rings),
         "crossings": _crossings(results),
         "counts": _counts(results),
-        "finest": "" if first is None else results[0].runs[-1].summary.level,
+        "finest": "" if first is None else level_label(results[0].runs[-1].summary.level),
         "bodies": _bodies(bodies),
         "band": f"{100.0 * BAND:g}",
         "rings": _rings(rings),
@@ -49,7 +50,7 @@ def write_report(folder: Path, results: Sequence[SceneModes], rows: Sequence[Row
             for result in results
             for m, name in result.pictures.items()
         ],
-        "provenance": Table(("what", "value"), tuple((k, v or MISSING) for k, v in stamps.items()), left=(0, 1)),
+        "provenance": facts_table(stamps),
     }
     return write_page(folder, "modes.md.j2", content)
 
@@ -111,20 +112,20 @@ def _crossings(results: Sequence[SceneModes]) -> Table:
                 none = next(
                     (r.status for r in result.rows if r.quantity.startswith("crossing") and r.level == level), ""
                 )
-                lines.append((name, level, none or MISSING, *[MISSING] * 6))
+                lines.append((name, level_label(level), none or MISSING, *[MISSING] * 6))
             for c in found:
                 at = here[f"crossing_m{c.waves}_kpa", level]
                 lines.append(
                     (
                         name,
-                        level,
+                        level_label(level),
                         str(c.waves),
                         f"{c.pressure_kpa:.4f}",
-                        _number(rounded_up(at.uncertainty, 2)),
+                        number_text(rounded_up(at.uncertainty, 2)),
                         f"{c.volume_ratio:.4f}",
                         f"{c.before} → {c.after}",
-                        _number(c.tip_mm),
-                        _number(c.tip_force_n),
+                        number_text(c.tip_mm),
+                        number_text(c.tip_force_n),
                     )
                 )
     header = ("scene", "mesh", "m", "kPa", "±", "V/V₀", "modes", "elongation, mm", "force, N")
@@ -144,10 +145,15 @@ def _counts(results: Sequence[SceneModes]) -> Table:
 
 
 def _bodies(rows: Sequence[Row]) -> Table:
-    lines = tuple(
-        (r.scene, r.level, f"{r.pressure_kpa:.5g}", _number(r.value), _number(r.reference), _verdict(r)) for r in rows
-    )
-    return Table(("scene", "mesh", "kPa", "modes in 3D", "by harmonics", ""), lines, left=(0, 1, 5))
+    columns: dict[str, Callable[[Row], str]] = {
+        "scene": lambda r: r.scene,
+        "mesh": lambda r: level_label(r.level),
+        "kPa": lambda r: f"{r.pressure_kpa:.5g}",
+        "modes in 3D": lambda r: number_text(r.value),
+        "by harmonics": lambda r: number_text(r.reference),
+        "": _verdict,
+    }
+    return table_of(rows, columns, left=(0, 1, 5))
 
 
 def _verdict(entry: Row) -> str:
@@ -157,19 +163,12 @@ def _verdict(entry: Row) -> str:
 
 
 def _rings(rows: Sequence[Row]) -> Table:
-    lines = tuple(
-        (
-            r.scene.removeprefix("ring-"),
-            r.quantity.split("_")[1].removeprefix("m"),
-            r.level.removeprefix("r"),
-            f"{r.value:.6g}",
-            f"{r.reference:.6g}",
-            f"{signed(r.error_percent)}" if abs(r.error_percent) >= 0.01 else f"{r.error_percent:+.4f}",
-        )
-        for r in rows
-    )
-    return Table(("load", "waves", "cells", "kPa", "exact", "error, %"), lines)
-
-
-def _number(value: float) -> str:
-    return MISSING if math.isnan(value) else f"{value:.4g}"
+    columns: dict[str, Callable[[Row], str]] = {
+        "load": lambda r: r.scene.removeprefix("ring-"),
+        "waves": lambda r: r.quantity.split("_")[1].removeprefix("m"),
+        "cells": lambda r: r.level.removeprefix("r"),
+        "kPa": lambda r: f"{r.value:.6g}",
+        "exact": lambda r: f"{r.reference:.6g}",
+        "error, %": lambda r: signed(r.error_percent) if abs(r.error_percent) >= 0.01 else f"{r.error_percent:+.4f}",
+    }
+    return table_of(rows, columns, left=(0,))

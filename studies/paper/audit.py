@@ -15,6 +15,7 @@ from studies.paper.cases import REFERENCE_SCENES
 from studies.paper.numbers import HIGHEST_KPA, PRESSURES_KPA, is_known, named, tip
 from studies.paper.results import CaseResult, PaperResults, find
 from studies.planning.levels import fineness, ranking
+from studies.report.labels import level_label, run_label
 from studies.report.numbers import MISSING, rounded_up, up
 from studies.report.tables import Table
 from studies.results.compare import main_quantity, scene_rows, tip_at
@@ -131,9 +132,9 @@ def misses(results: PaperResults) -> Table:
         (
             check.case,
             f"{check.pressure_kpa:g}",
-            f"{check.model} {check.level}",
+            run_label(check.model, check.level),
             f"{check.value:.4f} ± {up(check.band, 4)}",
-            f"{check.finer}: {check.finer_value:.4f}",
+            f"{level_label(check.finer)}: {check.finer_value:.4f}",
             f"{abs(check.finer_value - check.value) / check.band:.2g}" if check.band else MISSING,
         )
         for check in (*meridian_checks(results), *body_checks(results))
@@ -189,5 +190,5 @@ def _by_levels(checks: Iterable[Check]) -> dict[str, list[Check]]:
     """Checks by what is tested: band of which mesh by which."""
     kinds: dict[str, list[Check]] = {}
     for check in checks:
-        kinds.setdefault(f"{check.level} by {check.finer}", []).append(check)
+        kinds.setdefault(f"{level_label(check.level)} by {level_label(check.finer)}", []).append(check)
     return kinds

@@ -15,7 +15,7 @@ from studies.paper.numbers import (
     number,
 )
 from studies.paper.results import CaseResult, PaperResults, find
-from studies.report.labels import TIP
+from studies.report.labels import TIP, level_label
 from studies.report.numbers import MISSING, rounded_up, signed
 from studies.report.tables import Table
 from studies.results.rows import difference_percent
@@ -54,7 +54,7 @@ def _mesh_line(case: CaseResult, rigid: CaseResult | None, run: Run) -> tuple[st
         for quantity in ("peak_slip_mm", "peak_stretch", "peak_stretch_away")
     )
     return (
-        level,
+        level_label(level),
         f"{last_kpa(run):.4g}",
         MISSING if state is None else f"{state.tip_mm:.3f}",
         _percent(change_percent(case, rigid, level, HIGHEST_KPA)),

@@ -29,7 +29,7 @@ from studies.paper.numbers import (
 )
 from studies.paper.results import CaseResult, PaperResults
 from studies.paper.verdicts import FAILS, HOLDS, UNDECIDED, Verdict, above, all_of, below, over_sets, smaller
-from studies.report.labels import TIP
+from studies.report.labels import TIP, level_label
 from studies.report.numbers import value_text
 from studies.results.rows import Row
 
@@ -300,7 +300,7 @@ def none_beyond(results: PaperResults) -> Claim:
         reached = min(last_kpa(run) for run in runs)
         passed.append(reached > HIGHEST_KPA * (1.0 + 1e-9))
         why = "" if runs[-1].summary.status == "reached" else f" ({runs[-1].summary.reason})"
-        parts.append(f"{name} to {reached:.4g} kPa on {', '.join(run.summary.level for run in runs)}{why}")
+        parts.append(f"{name} to {reached:.4g} kPa on {', '.join(level_label(run.summary.level) for run in runs)}{why}")
     if any(passed):
         verdict: Verdict = FAILS
     else:

@@ -10,6 +10,7 @@ from studies.models.run_log import Run
 from studies.paper.cases import REFERENCE_SCENES
 from studies.paper.numbers import finest, named
 from studies.paper.results import CaseResult, PaperResults
+from studies.report.labels import level_label
 from studies.report.numbers import MISSING, count, short_time
 from studies.report.scene_tables import times_of, work_of
 from studies.report.tables import Table
@@ -75,7 +76,7 @@ def _finest_runs(results: PaperResults) -> dict[str, RunSummary]:
             run = finest(getattr(of.result, model)) if of else None
             if run is not None:
                 label = TETS if of is tets else model.replace("full3d", "full 3D")
-                found[f"{name}, {label} {run.summary.level}"] = run.summary
+                found[f"{name}, {label}, {level_label(run.summary.level)}"] = run.summary
     return found
 
 

@@ -54,6 +54,11 @@ def short_status(status: str) -> str:
     return found[0] if found else status
 
 
+def number_text(value: float, form: str = ".4g", missing: str = MISSING) -> str:
+    """A number written as for `format`; ``missing`` for NaN."""
+    return missing if math.isnan(value) else format(value, form)
+
+
 def signed(percent: float) -> str:
     """A percentage with its sign and as many decimals as it deserves."""
     text = f"{percent:+.2f}" if abs(percent) < 1.0 else f"{percent:+.1f}"

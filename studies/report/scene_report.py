@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from studies.planning.levels import ranking
-from studies.report.labels import TIP, TIP_FORCE, ordered, split_key
+from studies.report.labels import TIP, TIP_FORCE, ordered, run_label, split_key
 from studies.report.pictures.stills import RingBox
 from studies.results.files import PathRow, RunSummary
 from studies.results.rows import Row
@@ -38,6 +38,8 @@ class SceneReport:
         Sentences: what was skipped and why, warnings; those that the runs' plans say too are shown once.
     rings
         Rigid rings to draw, by pressure (kPa), 0.0 for unloaded; empty where there are none.
+    counted
+        What the cells of a mesh such as ``n8`` are counted along.
     """
 
     name: str
@@ -50,6 +52,7 @@ class SceneReport:
     fields: dict[float, Path]
     notes: tuple[str, ...]
     rings: dict[float, tuple[RingBox, ...]] = field(default_factory=dict)
+    counted: str = "round"
 
 
 def quantity_of(scene: SceneReport) -> str:
@@ -84,6 +87,11 @@ def finest_path(scene: SceneReport, model: str) -> list[PathRow]:
     """All converged states of a model's finest level; empty if it has none."""
     keys = [key for key in scene.paths if split_key(key)[0] == model]
     return scene.paths[max(keys, key=lambda key: ranking(split_key(key)[1]))] if keys else []
+
+
+def label_of(scene: SceneReport, model: str, *levels: str) -> str:
+    """What the report calls a model of a scene on one or more meshes."""
+    return run_label(model, *levels, counted=scene.counted)
 
 
 def anchor_of(scene: SceneReport) -> str:

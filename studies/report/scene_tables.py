@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from studies.planning.levels import ranking
-from studies.report.labels import MODELS, QUANTITIES, model_label, models_label, ordered, run_label
+from studies.report.labels import MODELS, model_label, ordered, quantity_label, runs_label
 from studies.report.numbers import (
     MISSING,
     count,
@@ -26,11 +26,12 @@ from studies.report.scene_report import (
     finest_path,
     headline,
     headlines,
+    label_of,
     models_of,
     quantity_of,
     unit_of,
 )
-from studies.report.tables import Table
+from studies.report.tables import Table, facts_table
 from studies.results.files import PathRow, RunSummary
 from studies.results.rows import REACHED, Row, difference_percent, is_reached
 
@@ -97,7 +98,7 @@ def comparisons(scene: SceneReport) -> Table:
                 error = signed(row.error_percent) if math.isfinite(row.error_percent) else MISSING
                 lines.append(
                     (
-                        run_label(model, row.level),
+                        label_of(scene, model, row.level),
                         f"{pressure:g}",
                         value_text(row),
                         f"{row.reference:.5g}",
@@ -121,12 +122,12 @@ def convergence(scene: SceneReport) -> Table:
             run = next((run for run in scene.runs if (run.model, run.level) == (model, level)), None)
             size = (count(run.cells), count(run.nodes), count(run.dofs)) if run else (MISSING,) * 3
             tips = [_level_value(scene, model, level, pressure) for pressure in scene.pressures_kpa]
-            lines.append((run_label(model, level), *size, *tips))
+            lines.append((label_of(scene, model, level), *size, *tips))
         bounds = [headline(scene, model, pressure) for pressure in scene.pressures_kpa]
         if any(row and math.isfinite(row.uncertainty) for row in bounds):
             known = (row.uncertainty if row else math.nan for row in bounds)
             texts = (MISSING if math.isnan(bound) else f"± {up(bound, 3)}" for bound in known)
-            lines.append((f"uncertainty of {run_label(model, levels[-1])}", "", "", "", *texts))
+            lines.append((f"uncertainty of {label_of(scene, model, levels[-1])}", "", "", "", *texts))
     header = (f"at {pressure:g} kPa, {unit_of(scene)}" for pressure in scene.pressures_kpa)
     return Table(("model", "cells", "nodes", "unknowns", *header), tuple(lines))
 
@@ -140,8 +141,7 @@ def others(scene: SceneReport) -> Table:
     lines: dict[tuple[str, str], dict[str, str]] = {}
     sources: dict[tuple[str, str], list[str]] = {}
     for row in rows:
-        unit = "" if row.unit in ("", "-", "1") else f", {row.unit}"
-        key = (f"{QUANTITIES.get(row.quantity, row.quantity)}{unit}", run_label(row.model, row.level))
+        key = (quantity_label(row.quantity), label_of(scene, row.model, row.level))
         lines.setdefault(key, {})[f"{row.pressure_kpa:g}"] = quantity_text(row)
         of_line = sources.setdefault(key, [])
         if row.source and row.source not in of_line:
@@ -156,7 +156,7 @@ def others(scene: SceneReport) -> Table:
 
 def work(scene: SceneReport) -> Table:
     """Size, work and peak memory (MB) of each run."""
-    return work_of(scene.runs, [run_label(run.model, run.level) for run in scene.runs])
+    return work_of(scene.runs, [label_of(scene, run.model, run.level) for run in scene.runs])
 
 
 def work_of(runs: Sequence[RunSummary], labels: Sequence[str]) -> Table:
@@ -178,7 +178,7 @@ def work_of(runs: Sequence[RunSummary], labels: Sequence[str]) -> Table:
 
 def times(scene: SceneReport) -> Table:
     """Wall time (s) of each run by activity."""
-    return times_of(scene.runs, [run_label(run.model, run.level) for run in scene.runs])
+    return times_of(scene.runs, [label_of(scene, run.model, run.level) for run in scene.runs])
 
 
 def times_of(runs: Sequence[RunSummary], labels: Sequence[str]) -> Table:
@@ -199,7 +199,7 @@ def masses(scene: SceneReport) -> Table:
         grams = (run.silicone_g, run.ring_g, run.silicone_g + run.ring_g)
         texts = tuple(MISSING if math.isnan(mass) else f"{mass:.2f}" for mass in grams)
         runs.setdefault(texts, []).append(run)
-    lines = [(models_label(equal), *texts) for texts, equal in runs.items()]
+    lines = [(runs_label(equal, scene.counted), *texts) for texts, equal in runs.items()]
     references = dict.fromkeys(
         (row.quantity, f"{row.reference:g}", row.source)
         for row in scene.rows
@@ -225,8 +225,7 @@ def provenance(scenes: Sequence[SceneReport], stamps: Mapping[str, str]) -> Tabl
     }
     if len(own["runs made"]) > 2:
         own["runs made"] = [f"{own['runs made'][0]} to {own['runs made'][-1]}"]
-    lines = [*stamps.items(), *((name, "; ".join(values)) for name, values in own.items() if values)]
-    return Table(("what", "value"), tuple((name, value or MISSING) for name, value in lines), left=(0, 1))
+    return facts_table({**stamps, **{name: "; ".join(values) for name, values in own.items() if values}})
 
 
 def seconds_of(runs: Sequence[RunSummary]) -> dict[str, list[float]]:
@@ -264,5 +263,5 @@ def _status(scene: SceneReport) -> str:
     for row in headlines(scene):
         if not is_reached(row):
             stops.setdefault((row.model, short_status(row.status)), {})[row.level] = None
-    texts = (f"{run_label(model, ', '.join(levels))} {status}" for (model, status), levels in stops.items())
+    texts = (f"{label_of(scene, model, *levels)} {status}" for (model, status), levels in stops.items())
     return "; ".join(texts) or REACHED

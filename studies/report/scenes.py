@@ -13,7 +13,7 @@ from studies.planning.levels import ranking
 from studies.report import scene_tables
 from studies.report.bars import draw_overview, draw_times
 from studies.report.curves import Curve, draw_elongation
-from studies.report.labels import TIP, TIP_FORCE, model_label, models_label, ordered, run_label, split_key
+from studies.report.labels import TIP, TIP_FORCE, level_label, model_label, ordered, runs_label, split_key
 from studies.report.numbers import duration, is_printed, rounded_up, short_status
 from studies.report.pages import write_page
 from studies.report.pictures.child import draw_states
@@ -24,6 +24,7 @@ from studies.report.scene_report import (
     finest_path,
     headline,
     headlines,
+    label_of,
     models_of,
     quantity_of,
     unit_of,
@@ -111,7 +112,7 @@ def _scene(folder: Path, scene: SceneReport) -> dict[str, Any]:
     axis = f"{what}, {unit_of(scene)}"
     draw_elongation(folder / elongation, _curves(scene), scene.pressures_kpa, axis)
     if scene.runs:
-        labels = [run_label(run.model, run.level) for run in scene.runs]
+        labels = [label_of(scene, run.model, run.level) for run in scene.runs]
         draw_times(folder / times, labels, scene_tables.seconds_of(scene.runs))
     why_no_states = "no fields were kept"
     if scene.fields:
@@ -210,7 +211,7 @@ def _files(folder: Path, scene: SceneReport) -> list[tuple[str, str]]:
     for key, states in scene.paths.items():
         place = Path("paths", anchor_of(scene), key.replace(" ", "-"))
         write_path(folder / place, states)
-        files.append((f"{run_label(*split_key(key))}: path", quote(str(place / PATH_FILE))))
+        files.append((f"{label_of(scene, *split_key(key))}: path", quote(str(place / PATH_FILE))))
     for pressure, vtu in sorted(scene.fields.items()):
         address = quote(os.path.relpath(vtu.resolve(), folder.resolve()))
         files.append((f"full 3D, {pressure:g} kPa: fields", address))
@@ -230,7 +231,7 @@ def _stops(scene: SceneReport) -> list[str]:
     for (model, status), levels in found.items():
         asked = sorted({row.pressure_kpa for row in stops if (row.model, row.status) == (model, status)})
         asked_text = ", ".join(f"{pressure:g}" for pressure in asked)
-        sentences.append(f"{run_label(model, ', '.join(levels))}, asked for {asked_text} kPa: {status}")
+        sentences.append(f"{label_of(scene, model, *levels)}, asked for {asked_text} kPa: {status}")
     return sentences
 
 
@@ -240,7 +241,7 @@ def _instabilities(scene: SceneReport) -> list[str]:
     for key, states in scene.paths.items():
         first = next((state for state in states if state.unstable_modes > 0), None)
         if first:
-            model = run_label(*split_key(key))
+            model = label_of(scene, *split_key(key))
             tip = f"{first.tip_mm:.2f} mm" if unit_of(scene) == "mm" else f"{first.tip_force_n:.3f} N"
             where = f"{first.pressure_kpa:.4g} kPa and {tip}"
             sentences.append(f"{model}: first state with {first.unstable_modes:.0f} unstable at {where}")
@@ -254,11 +255,12 @@ def _notes(scene: SceneReport) -> list[str]:
         for sentence in dict.fromkeys(run.plan):
             plans.setdefault(sentence, []).append(run)
     own = [note for note in dict.fromkeys(scene.notes) if note not in plans]
-    return [*own, *(f"{sentence} ({models_label(runs)})" for sentence, runs in plans.items())]
+    return [*own, *(f"{sentence} ({runs_label(runs, scene.counted)})" for sentence, runs in plans.items())]
 
 
 # --- levels and text ------------------------------------------------------------------------
 
 
 def _levels(scenes: Sequence[SceneReport], model: str) -> list[str]:
-    return sorted({row.level for s in scenes for row in headlines(s) if row.model == model}, key=ranking)
+    found = {row.level for s in scenes for row in headlines(s) if row.model == model}
+    return [level_label(level) for level in sorted(found, key=ranking)]

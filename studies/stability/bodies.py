@@ -19,9 +19,10 @@ from meshes.bodies import sphere_meridian, tube_meridian
 from meshes.meridian import default_resolution, meridian_mesh
 from meshes.solid import FACETS, REGIONS, SolidMesh
 from meshes.surface import surface_weights
+from solvers.assembly.surfaces import SOFT, STIFF, Surfaces
 from solvers.discrete.domain import create_domain
 from solvers.discrete.elements import P2_P0
-from solvers.problem import SOFT, STIFF, Problem, Surfaces
+from solvers.problem import Problem
 from solvers.state import State, pressure_at_corners
 from studies.models.build import Tip, scene_meridian, scene_problem
 from studies.results import provenance

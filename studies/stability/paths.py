@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from solvers.equilibrium.controls import HeldLoad, HeldVolume
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
@@ -130,7 +131,7 @@ class _Evacuation:
         span = self.here[1] - self.before[1]
         ahead = (volume - self.here[1]) / span if span else 0.0
         self.problem.set_state(combine([self.here[0], self.before[0]], [1.0 + ahead, -ahead]))
-        solve_equilibrium(self.problem, self.factor, self.newton, volume_mm3=volume)
+        solve_equilibrium(self.problem, self.factor, self.newton, HeldVolume(volume))
         return self.problem.get_state(), volume
 
     def _room_mm(self, state: State) -> float:
@@ -145,7 +146,7 @@ class _Evacuation:
                 break
             part = (kpa - self.reached_kpa) / (vacuum_kpa - self.reached_kpa)
             self.problem.set_state(combine([self.here[0], state], [1.0 - part, part]))
-            report = solve_equilibrium(self.problem, self.factor, self.newton, pressure_mpa=-1e-3 * kpa)
+            report = solve_equilibrium(self.problem, self.factor, self.newton, HeldLoad(-1e-3 * kpa))
             if not volume - 1e-6 * self.unit <= self.problem.cavity_volume() <= self.here[1] + 1e-6 * self.unit:
                 raise StepFailed("pressure control left the path")
             value_mm = self.posed.value_mm(self.problem.get_state())

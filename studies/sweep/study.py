@@ -19,7 +19,7 @@ from studies.progress import Progress
 from studies.report.labels import model_label
 from studies.report.numbers import MISSING, count, duration, signed, up
 from studies.report.pages import write_page
-from studies.report.tables import Table
+from studies.report.tables import Table, facts_table
 from studies.results import provenance
 from studies.results.rows import REACHED
 from studies.scene.bellows import dimensions_of, load_scene
@@ -328,7 +328,7 @@ def _provenance(outcome: dict[str, Any]) -> Table:
         "ranks": count(outcome["ranks"]),
         **provenance.versions(),
     }
-    return Table(("what", "value"), tuple(stamps.items()), left=(0, 1))
+    return facts_table(stamps)
 
 
 # --- maps -----------------------------------------------------------------------------------

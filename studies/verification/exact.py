@@ -14,11 +14,11 @@ from studies.models.session import ROWS_FILE, SCENE_FILE
 from studies.planning.levels import fineness
 from studies.planning.plan import MODELS
 from studies.report import scene_tables
-from studies.report.labels import run_label
+from studies.report.labels import counted_along, quantity_label
 from studies.report.numbers import MISSING, duration, rounded_up
 from studies.report.pages import write_page
-from studies.report.scene_report import SceneReport, anchor_of
-from studies.report.tables import Table
+from studies.report.scene_report import SceneReport, anchor_of, label_of
+from studies.report.tables import Column, Table, pivot, pressure_of
 from studies.results import provenance
 from studies.results.exact_answers import exact_bore_mm, exact_crossing_kpa
 from studies.results.files import SUMMARY_FILE, read_path, read_summary
@@ -30,20 +30,6 @@ from studies.verification.plots import Points, draw_against_exact
 TITLE: Final = "Bodies with exact answers: the solver beside them"
 # Rows that are not compared values.
 _CHECKS: Final = ("unstable_modes", "min_det_f", "crossing_modes")
-_NAMES: Final = {
-    "bore_mm": "radial displacement of the bore, mm",
-    "volume_mm3": "enclosed volume, mm³",
-    "displacement_max_mm": "largest displacement, mm",
-    "tip_mm": "axial displacement of the tip, mm",
-    "torque_nmm": "torque, N mm",
-    "axial_force_n": "axial force, N",
-    "corner_mm": "displacement of the corner, mm",
-    "apex_inside_mm": "position of the apex inside, mm",
-    "apex_outside_mm": "position of the apex outside, mm",
-    "unstable_modes": "unstable modes",
-    "limit_kpa": "limit point of the pressure, kPa",
-    "crossing_kpa": "loss of stability, kPa",
-}
 
 
 def render_exact(folder: Path, scene_folders: Sequence[Path]) -> Path:
@@ -98,6 +84,7 @@ def _read(folder: Path) -> SceneReport:
         paths={f"{r.model} {r.level}": read_path(folder / f"{r.model}-{r.level}") for r in runs},
         fields={},
         notes=(),
+        counted=counted_along(scene.geometry.kind),
     )
 
 
@@ -115,20 +102,15 @@ def _section(folder: Path, scene: ExactScene, report: SceneReport) -> dict[str, 
         "name": report.name,
         "title": report.title,
         "toml": report.scene_toml.strip(),
-        "compared": _compared(report.rows),
+        "compared": _compared(report),
         "picture": str(place) if drawn else "",
-        "quantity": _NAMES[quantity],
+        "quantity": quantity_label(quantity),
         "crossings": _crossings(report),
-        "checks": _checks(report.rows),
+        "checks": _checks(report),
         "work": scene_tables.work(report),
         "times": scene_tables.times(report),
         "notes": list(dict.fromkeys(note for run in report.runs for note in run.plan)),
     }
-
-
-def name_of(quantity: str) -> str:
-    """A quantity in words, with its unit."""
-    return _NAMES.get(quantity, quantity)
 
 
 def _plotted(scene: ExactScene) -> str:
@@ -145,7 +127,7 @@ def _draw(path: Path, scene: ExactScene, report: SceneReport, quantity: str) -> 
         known = [(r.pressure_kpa, r.value) for r in rows if math.isfinite(r.value)]
         if quantity == "unstable_modes":  # counted in every state
             known = [(s.pressure_kpa, s.unstable_modes) for s in report.paths[f"{model} {level}"]]
-        levels.append(Points(run_label(model, level), *_columns(known)))
+        levels.append(Points(label_of(report, model, level), *_columns(known)))
     loads = np.linspace(0.0, max(scene.loads_kpa), 61)[1:]
     curve = [(0.0, 0.0), *((float(p), exact_bore_mm(scene, float(p))[0]) for p in loads)]
     known = [pair for pair in curve if math.isfinite(pair[1])] if quantity == "bore_mm" else []
@@ -154,10 +136,10 @@ def _draw(path: Path, scene: ExactScene, report: SceneReport, quantity: str) -> 
     last = (report.runs[-1].model, report.runs[-1].level)
     for row in report.rows:
         if row.quantity in OF_PATHS and (row.model, row.level) == last and math.isfinite(row.value):
-            lines.append((f"{row.quantity.removesuffix('_kpa')}, {run_label(*last)}", row.value))
+            lines.append((f"{row.quantity.removesuffix('_kpa')}, {label_of(report, *last)}", row.value))
             if math.isfinite(row.reference):
                 lines.append(("the same, exact", exact_crossing_kpa(scene)[0]))
-    draw_against_exact(path, _NAMES[quantity], exact, levels, lines)
+    draw_against_exact(path, quantity_label(quantity), exact, levels, lines)
 
 
 def _columns(pairs: Sequence[tuple[float, float]]) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -178,7 +160,7 @@ def _summary(pairs: Sequence[tuple[ExactScene, SceneReport]]) -> Table:
                 reached = sum(math.isfinite(r.value) for r in rows)
                 stopped = next((r.status for r in rows if r.status != "reached"), "reached")
                 lines.append(
-                    (report.name, _NAMES[quantity], run_label(model, level), f"{reached} of {len(rows)}",
+                    (report.name, quantity_label(quantity), label_of(report, model, level), f"{reached} of {len(rows)}",
                      _percent(max(errors)) if errors else MISSING, stopped)
                 )  # fmt: skip
     header = ("scene", "quantity", "finest mesh", "values", "largest error, %", "status")
@@ -190,15 +172,15 @@ def _finest(report: SceneReport) -> list[tuple[str, str]]:
     return list({run.model: (run.model, run.level) for run in report.runs}.values())
 
 
-def _compared(rows: Sequence[Row]) -> Table:
+def _compared(report: SceneReport) -> Table:
     """All compared values of a scene."""
     lines = []
-    for row in rows:
+    for row in report.rows:
         if row.quantity not in _CHECKS:
             load = MISSING if math.isnan(row.pressure_kpa) else f"{row.pressure_kpa:g}"
             known = math.isfinite(row.reference)
             lines.append(
-                (_NAMES.get(row.quantity, row.quantity), load, run_label(row.model, row.level), _number(row),
+                (quantity_label(row.quantity), load, label_of(report, row.model, row.level), _number(row),
                  f"{row.reference:.6g}" if known else MISSING, _percent(row.error_percent, signed=True),
                  row.source or MISSING)
             )  # fmt: skip
@@ -206,18 +188,11 @@ def _compared(rows: Sequence[Row]) -> Table:
     return Table(header, tuple(lines), left=(0, 2, 6))
 
 
-def _checks(rows: Sequence[Row]) -> Table:
+def _checks(report: SceneReport) -> Table:
     """Unstable modes and least det F on the finest mesh of each model at each load."""
-    lines: dict[tuple[str, str, float], dict[str, str]] = {}
-    for row in rows:
-        if row.quantity in ("unstable_modes", "min_det_f"):
-            shown = f"{row.value:.0f}" if row.quantity == "unstable_modes" else f"{row.value:#.4g}"
-            lines.setdefault((row.model, row.level, row.pressure_kpa), {})[row.quantity] = shown
-    cells = tuple(
-        (run_label(model, level), f"{load:g}", found.get("unstable_modes", MISSING), found.get("min_det_f", MISSING))
-        for (model, level, load), found in lines.items()
-    )
-    return Table(("mesh", "load, kPa", "unstable modes", "least det F"), cells)
+    lines = {"mesh": lambda row: label_of(report, row.model, row.level), "load, kPa": pressure_of}
+    columns = [Column("unstable modes", "unstable_modes", ".0f"), Column("least det F", "min_det_f", "#.4g")]
+    return pivot(report.rows, lines, columns, left=(0,))
 
 
 def _crossings(report: SceneReport) -> list[str]:
@@ -227,7 +202,7 @@ def _crossings(report: SceneReport) -> list[str]:
         c = run.crossing
         if c:
             out.append(
-                f"{run_label(run.model, run.level)}: {c['kind']} at {c['pressure_kpa']:.6g} kPa (within "
+                f"{label_of(report, run.model, run.level)}: {c['kind']} at {c['pressure_kpa']:.6g} kPa (within "
                 f"{c['within_kpa']:.1g}), unstable modes {c['modes_before']} → {c['modes_after']}"
             )
     return out

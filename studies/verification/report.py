@@ -6,13 +6,12 @@ import math
 from pathlib import Path
 from typing import Final
 
-from studies.report.labels import run_label
+from studies.report.labels import quantity_label, run_label
 from studies.report.numbers import MISSING
 from studies.report.pages import write_page
-from studies.report.tables import Table
+from studies.report.tables import Table, facts_table
 from studies.results import provenance
 from studies.verification import two_routes as exact_table
-from studies.verification.exact import name_of
 from studies.verification.study import Line, Verification
 
 TITLE: Final = "Verification: exact and published problems, and what this program gives"
@@ -35,7 +34,7 @@ def render_verification(folder: Path, found: Verification, seconds: float) -> Pa
         "goal": f"{exact_table.GOAL:.0e}",
         "stopped": list(found.stopped),
         "seconds": f"{seconds:.0f}",
-        "provenance": Table(("what", "value"), tuple(stamps.items()), left=(0, 1)),
+        "provenance": facts_table(stamps),
     }
     return write_page(folder, "verification.md.j2", content)
 
@@ -51,7 +50,7 @@ def problems(lines: tuple[Line, ...]) -> Table:
             value += f" ± {r.uncertainty:.1g}"
         error = f"{r.error_percent:+.2g}".replace("-", "\N{MINUS SIGN}") if math.isfinite(r.error_percent) else MISSING
         order = f"{line.order:.1f}" if math.isfinite(line.order) else MISSING
-        what = (r.scene, name_of(r.quantity), run_label(r.model, r.level), load, value)
+        what = (r.scene, quantity_label(r.quantity), run_label(r.model, r.level, counted=line.counted), load, value)
         cells.append((*what, f"{r.reference:.6g}", error, order, r.source))
     header = ("problem", "quantity", "model and mesh", "load, kPa", "value", "reference", "error, %", "order", "source")
     return Table(header, tuple(cells), left=(0, 1, 2, 8))

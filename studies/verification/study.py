@@ -19,6 +19,7 @@ from studies.models.body_session import ExactResult, run_all_models
 from studies.models.session import ROWS_FILE, SCENE_FILE
 from studies.planning.levels import fineness
 from studies.progress import Progress
+from studies.report.labels import counted_along
 from studies.results.rows import Row, row, write_rows
 from studies.scene.bodies import ExactScene, load_any_scene
 from studies.scene.sections import SceneError
@@ -41,11 +42,14 @@ class Line:
         Observed order of convergence there; NaN if it cannot be told.
     loads
         Loads that were compared.
+    counted
+        What the mesh's cells are counted along.
     """
 
     finest: Row
     order: float
     loads: int
+    counted: str = "round"
 
 
 @dataclass(frozen=True)
@@ -106,7 +110,7 @@ def gather(results: Sequence[ExactResult]) -> Verification:
     stopped = []
     for result in results:
         compared = [r for r in result.rows if math.isfinite(r.reference)]
-        lines += lines_of(compared)
+        lines += lines_of(compared, counted_along(result.scene.geometry.kind))
         if not result.reached:
             stopped.append(f"{result.scene.name}: {result.reason}")
     formulas = exact_table.all_routes()
@@ -115,8 +119,8 @@ def gather(results: Sequence[ExactResult]) -> Verification:
     return Verification((*rows, *orders, *exact_table.rows(formulas)), tuple(lines), tuple(formulas), tuple(stopped))
 
 
-def lines_of(compared: Sequence[Row]) -> list[Line]:
-    """Lines of the rows that have a reference."""
+def lines_of(compared: Sequence[Row], counted: str = "round") -> list[Line]:
+    """Lines of the rows that have a reference; cells of their meshes are counted round the axis or along an edge."""
     lines = []
     for scene, quantity, model in dict.fromkeys((r.scene, r.quantity, r.model) for r in compared):
         mine = [r for r in compared if (r.scene, r.quantity, r.model) == (scene, quantity, model)]
@@ -124,7 +128,7 @@ def lines_of(compared: Sequence[Row]) -> list[Line]:
         ends = [r for r in mine if r.level == finest]
         worst = max(ends, key=lambda r: abs(r.error_percent) if math.isfinite(r.error_percent) else math.inf)
         at_load = [r for r in mine if same_load(r, worst)]
-        lines.append(Line(worst, observed_order(at_load), len(ends)))
+        lines.append(Line(worst, observed_order(at_load), len(ends), counted))
     return lines
 
 

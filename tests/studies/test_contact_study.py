@@ -51,6 +51,6 @@ def test_table_of_states_leaves_what_was_not_reached_empty() -> None:
         entry("tip_mm", 10.0, math.nan, status="stopped at 7.00 kPa: step size"),
     ]
     table = state_table(rows, "tip_mm")
-    assert table.header[:3] == ("kPa", "tip, mm: r1", "tip, mm: r1, no contact")
-    assert table.rows[0] == ("5", "1.25", "3.5", "-0.001", "2.5", "0", "")
-    assert table.rows[1] == ("10", "", "", "", "", "", "")
+    assert table.header[:3] == ("kPa", "tip, mm: level 1", "tip, mm: level 1, no contact")
+    assert table.rows[0] == ("5", "1.25", "3.5", "-0.001", "2.5", "0", "–")
+    assert table.rows[1] == ("10", *["–"] * 6)

@@ -208,7 +208,7 @@ def test_cost_over_pressure() -> None:
 def test_beyond_20_kpa() -> None:
     claim = none_beyond(make_results(*beyond()))
     assert claim.verdict == FAILS
-    assert "heung-t1-ri5 to 30 kPa on r1, r2, r4" in claim.finding
+    assert "heung-t1-ri5 to 30 kPa on level 1, level 2, level 4" in claim.finding
     stopped = none_beyond(make_results(*beyond(stop_kpa=20.0)))
     assert stopped.verdict == HOLDS
     assert "no convergence" in stopped.finding

@@ -120,9 +120,13 @@ def test_acceptance_counts_bands(results: PaperResults) -> None:
     assert found[f"{FIRST}: axisymmetric from full 3D at 20 kPa"]["verdict"] == "met"
     # Four reference actuators and eight alternates have r8, at four pressures each.
     assert (
-        found["axisymmetric bands that hold the next finer mesh: r4 by r8, all cases"]["found"] == "100.0 % (48 of 48)"
+        found["axisymmetric bands that hold the next finer mesh: level 4 by level 8, all cases"]["found"]
+        == "100.0 % (48 of 48)"
     )
-    assert found["full 3D bands that hold the finest mesh: n8 by n12r3, all cases"]["found"] == "100.0 % (4 of 4)"
+    assert (
+        found["full 3D bands that hold the finest mesh: 8 cells round by 12 cells round, level 3, all cases"]["found"]
+        == "100.0 % (4 of 4)"
+    )
     nothing = lines(paper_audit.acceptance(PaperResults(())))
     assert {line["verdict"] for line in nothing} == {"not run"}
 
@@ -133,7 +137,7 @@ def test_a_band_that_does_not_hold_is_told() -> None:
     results = make_results(case)
     missed = lines(paper_audit.misses(results))
     assert [line["pressure, kPa"] for line in missed] == ["5", "10", "15", "20"]
-    assert {line["mesh of the band"] for line in missed} == {"axisymmetric r2"}
+    assert {line["mesh of the band"] for line in missed} == {"axisymmetric, level 2"}
     assert "not met" in [line["verdict"] for line in lines(paper_audit.acceptance(results))]
 
 
@@ -161,7 +165,7 @@ def test_bonded_is_what_changes_the_tip_by_one_percent_at_most() -> None:
     )
     assert "bonded: the tip changes by at most 0.9 %" in uniform
     (line, *_) = lines(paper_bond_tables.bonds(found))
-    assert (line["mesh"], line["reached, kPa"], line["from the rigid bond, %"]) == ("r1", "30", "+3.4")
+    assert (line["mesh"], line["reached, kPa"], line["from the rigid bond, %"]) == ("level 1", "30", "+3.4")
     two = make_results(bond("bond-5-2-graded", 0.0), bond("bond-rigid", 0.0, ("r1", "r2")))
     assert all("cannot tell" in sentence for sentence in paper_bond_tables.verdicts(two))
     assert paper_bond_tables.verdicts(make_results(bond("bond-5-2", 0.0))) == (
@@ -186,7 +190,7 @@ def test_what_stopped_is_shown_with_its_reason() -> None:
     line = lines(paper_variant_tables.beyond(results))[0]
     assert (line["reached, kPa"], line["end"]) == ("22.5", "no convergence | <at all>")
     (sentence,) = paper_summary.stops(results)
-    assert "axisymmetric r1 at 22.5 kPa" in sentence and "no convergence" in sentence
+    assert "axisymmetric, level 1 at 22.5 kPa" in sentence and "no convergence" in sentence
 
 
 def test_report_renders_all_and_nothing(tmp_path: Path, results: PaperResults) -> None:

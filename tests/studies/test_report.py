@@ -12,10 +12,13 @@ import pytest
 from matplotlib.image import imread as read_png
 from numpy.typing import NDArray
 
+from studies.report.labels import run_label
+from studies.report.numbers import MISSING
 from studies.report.pictures.child import draw_states
 from studies.report.pictures.stills import RingBox, Still
 from studies.report.scene_report import SceneReport, headline
 from studies.report.scenes import verdict, write_report
+from studies.report.tables import Column, per_level, pivot, pressure_of
 from studies.results.files import PathRow, RunSummary, read_path
 from studies.results.rows import Row, read_rows, row
 
@@ -151,11 +154,11 @@ def test_stopped_rows_are_shown_with_their_reason(tmp_path: Path) -> None:
     assert high["unstable modes, full 3D"] == "–"
     _, difference = table(text, "Differences, in percent")
     assert (difference["compared with"], difference["axisymmetric"]) == ("axisymmetric", "–")
-    assert "full 3D n8, n16, asked for 20 kPa: stopped at 12.3 kPa" in text
+    assert "full 3D, 8 cells round and 16 cells round, asked for 20 kPa: stopped at 12.3 kPa" in text
     assert "(a &lt; b | c)" in page.replace("\\|", "|")
     (line,) = table(text, "## Summary")
     assert line["full 3D"] == "stopped at 12.3 kPa"
-    assert line["status"] == "full 3D n8, n16 stopped at 12.3 kPa"
+    assert line["status"] == "full 3D, 8 cells round and 16 cells round stopped at 12.3 kPa"
     assert "at 1 of 2 pressures" in line["verdict"]
 
 
@@ -193,10 +196,10 @@ def test_convergence_lists_levels_coarse_to_fine_with_their_size(tmp_path: Path)
     text, _ = report(tmp_path, make_scene())
     lines = table(text, "### Convergence with the mesh")
     assert [line["model"] for line in lines] == [
-        *(f"axisymmetric {level}" for level in AXISYMMETRIC),
-        "uncertainty of axisymmetric r4",
-        *(f"full 3D {level}" for level in FULL),
-        "uncertainty of full 3D n16",
+        *(f"axisymmetric, level {refinement}" for refinement in (1, 2, 4)),
+        "uncertainty of axisymmetric, level 4",
+        *(f"full 3D, {cells} cells round" for cells in (8, 16)),
+        "uncertainty of full 3D, 16 cells round",
     ]
     assert [line["at 20 kPa, mm"] for line in lines[:4]] == ["74.620", "74.485", "74.442", "± 0.014"]
     assert lines[2]["cells"].replace("\N{NARROW NO-BREAK SPACE}", "") == "1234"
@@ -206,15 +209,17 @@ def test_convergence_lists_levels_coarse_to_fine_with_their_size(tmp_path: Path)
 def test_other_quantities_masses_and_times(tmp_path: Path) -> None:
     text, _ = report(tmp_path, make_scene())
     centre, mass = table(text, "### Other quantities")
-    assert (centre["quantity"], centre["20 kPa"]) == ("tip_centre_mm, mm", "77.77 ± 0.02")
+    assert (centre["quantity"], centre["20 kPa"]) == ("axial displacement of the tip's centre, mm", "77.77 ± 0.02")
     assert (mass["any pressure"], mass["compared with"]) == ("18.62 (−2.0 % from 19)", PAPER)
     meshes, printed = table(text, "### Masses")
-    assert (meshes["mesh"], meshes["silicone, g"]) == ("axisymmetric r4; full 3D n16", "18.62")
+    assert (meshes["mesh"], meshes["silicone, g"]) == ("axisymmetric, level 4; full 3D, 16 cells round", "18.62")
     assert (printed["silicone, g"], printed["together, g"]) == ("19", "")
     seconds = table(text, "### Run time")[0]
     assert (seconds["factor"], seconds["other"], seconds["total"]) == ("2.5", "0.8", "4.2")
     assert "Sector runs were skipped" in text
-    assert "ring interiors: rigid rings are within the tolerance (axisymmetric r4; full 3D n16)" in text
+    assert (
+        "ring interiors: rigid rings are within the tolerance (axisymmetric, level 4; full 3D, 16 cells round)" in text
+    )
 
 
 def test_other_quantities_are_written_in_their_own_way(tmp_path: Path) -> None:
@@ -231,10 +236,10 @@ def test_other_quantities_are_written_in_their_own_way(tmp_path: Path) -> None:
     )
     text, _ = report(tmp_path, replace(scene, rows=(*scene.rows, *more[:3])))
     found = {line["quantity"]: line for line in table(text, "### Other quantities")}
-    assert found["unstable_modes"]["20 kPa"] == "12"
-    assert found["min_det_f"]["20 kPa"] == "0.890"
+    assert found["unstable modes"]["20 kPa"] == "12"
+    assert found["least det F"]["20 kPa"] == "0.890"
     assert found["gap between axisymmetric and full 3D, %"]["20 kPa"] == "0.2549"
-    assert (found["min_det_f"]["compared with"], found["silicone_g, g"]["compared with"]) == ("–", PAPER)
+    assert (found["least det F"]["compared with"], found["mass of the silicone, g"]["compared with"]) == ("–", PAPER)
     text, _ = report(tmp_path, replace(scene, rows=(*scene.rows[:-1], more[3])))  # without the compared mass
     centre, modes = table(text, "### Other quantities")
     assert list(centre) == ["quantity", "model", "10 kPa", "20 kPa"]
@@ -255,7 +260,7 @@ def test_each_note_is_written_once(tmp_path: Path) -> None:
     notes = text.split("### Skipped and noted")[1].split("### Files")[0].split("\n- ")[1:]
     assert [note.strip() for note in notes] == [
         "Sector runs were skipped: nobody asked.",
-        "ring interiors: rigid rings are within the tolerance (axisymmetric r4; full 3D n16)",
+        "ring interiors: rigid rings are within the tolerance (axisymmetric, level 4; full 3D, 16 cells round)",
     ]
 
 
@@ -291,6 +296,29 @@ def test_markdown_pictures_and_links_exist(tmp_path: Path) -> None:
     assert all((tmp_path / address).is_file() for address in addresses)
     states = read_path(tmp_path / "paths/demo-scene/axisymmetric-r4")
     assert [state.tip_mm for state in states] == [32.1, 50.222, 74.442]
+
+
+def test_meshes_are_spelled_out() -> None:
+    assert run_label("full3d", "n8r2") == "full 3D, 8 cells round, level 2"
+    assert run_label("axisymmetric", "r4") == "axisymmetric, level 4"
+    assert run_label("full3d", "n16") == "full 3D, 16 cells round"
+    assert run_label("full3d", "n2", counted="along an edge") == "full 3D, 2 cells along an edge"
+    assert run_label("full3d", "m1") == "full 3D, m1"
+    assert run_label("axisymmetric", "r1", "r2", "r4") == "axisymmetric, level 1, level 2 and level 4"
+    assert run_label("closed_form", "") == run_label("closed_form") == "closed form"
+
+
+def test_rows_become_a_table() -> None:
+    def tip(pressure: float, level: str, value: float) -> Row:
+        return row("x", "tip_mm", "mm", pressure, "axisymmetric", value, level)
+
+    rows = [tip(5.0, "r1", 1.23456), tip(5.0, "r2", 1.25), tip(10.0, "r1", math.nan)]
+    rows.append(row("x", "unstable_modes", "1", 10.0, "axisymmetric", 3.0, "r2"))
+    rows.append(row("x", "crossing_kpa", "kPa", math.nan, "axisymmetric", 7.0, "r2"))
+    columns = [*per_level("tip, mm", "tip_mm", ".3g", ("r1", "r2")), Column("modes", "unstable_modes", ".0f")]
+    shown = pivot(rows, {"kPa": pressure_of}, columns)
+    assert shown.header == ("kPa", "tip, mm: level 1", "tip, mm: level 2", "modes")
+    assert shown.rows == (("5", "1.23", "1.25", MISSING), ("10", MISSING, MISSING, "3"))
 
 
 def test_rows_csv_has_all_rows_of_all_scenes(tmp_path: Path) -> None:
