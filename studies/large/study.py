@@ -9,7 +9,6 @@ import itertools
 import os
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -29,26 +28,21 @@ from studies.results.kept import content_key, read_kept
 MEMORY_SHARE: Final = 0.7
 
 
-@dataclass(frozen=True)
-class Attempt:
-    """What was measured of a point, or why there is nothing."""
-
-    found: Measured | None
-    why: str = ""
-
-
-def solve(point: Point, at: Setting) -> Attempt:
-    """A point from its file or measured in a child, if there is time and memory for it."""
-    found, why = kept_point(point, at.out), ""
-    if found is None:
-        before = itertools.takewhile(lambda other: other.name != point.name, cases(at.options))
-        why = reason_not_to([(other, kept_point(other, at.out)) for other in before], point)
-        if not why:
-            why = measure_in_child(point, *_place(point, at.out))
-            found = kept_point(point, at.out)
-    shown = f"{found.unknowns} unknowns, {found.iteration_s:.1f} s, {found.peak_mb:.0f} MB" if found else why
+def solve(point: Point, at: Setting) -> Measured | str:
+    """A point from its file or measured in a child, or why it is not: no time, no memory, no success."""
+    result = kept_point(point, at.out) or _attempt(point, at)
+    shown = result
+    if isinstance(result, Measured):
+        shown = f"{result.unknowns} unknowns, {result.iteration_s:.1f} s, {result.peak_mb:.0f} MB"
     click.echo(f"{point.name}: {shown}")
-    return Attempt(found, why)
+    return result
+
+
+def _attempt(point: Point, at: Setting) -> Measured | str:
+    earlier = itertools.takewhile(lambda other: other.name != point.name, cases(at.options))
+    why = reason_not_to([(other, kept_point(other, at.out)) for other in earlier], point)
+    why = why or measure_in_child(point, *_place(point, at.out))
+    return kept_point(point, at.out) or why
 
 
 def kept_point(point: Point, out: Path) -> Measured | None:
@@ -98,21 +92,21 @@ def measure_in_child(point: Point, file: Path, key: str) -> str:
     return f"the process ended with code {ended.code}: {last[:160]}"
 
 
-def page(solved: Sequence[Solved[Point, Attempt]], at: Setting) -> Page:
+def page(solved: Sequence[Solved[Point, Measured | str]], at: Setting) -> Page:
     """Points, where the solvers cross, and the estimate for more ranks."""
-    measured = [one.result.found for one in solved if one.result.found is not None]
+    measured = [one.result for one in solved if isinstance(one.result, Measured)]
     done = [m for m in measured if not m.failure]
     mine = [m for m in done if m.ranks == at.options["ranks"]]
     draw(at.out / "pictures" / "large.png", mine)
     content = {
         "points": points_table(measured),
-        "untried": [f"{one.case.name}: {one.result.why}" for one in solved if one.result.found is None],
+        "untried": [f"{one.case.name}: {one.result}" for one in solved if isinstance(one.result, str)],
         "crossings": crossings(mine),
         "fits": fits_table(mine),
         "ranks": at.options["ranks"],
         "scaling": scaling_table(done),
     }
-    return Page([row for one in solved for row in rows_of(one.case, one.result.found, one.result.why)], content)
+    return Page([row for one in solved for row in rows_of(one.case, one.result)], content)
 
 
 STUDY: Final = Study(

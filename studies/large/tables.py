@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Final
@@ -13,7 +13,7 @@ from studies.large.fits import FLOPS_EXPONENT, PowerLaw, amdahl, crossing, flops
 from studies.large.measure import Measured
 from studies.report.numbers import MISSING
 from studies.report.style import BLUE, VERMILION, figure_file
-from studies.report.tables import Table
+from studies.report.tables import Table, table_of
 from studies.results.rows import REACHED, Row, row
 
 COLOURS: Final = {"direct": BLUE, "iterative": VERMILION}
@@ -27,14 +27,14 @@ BENCHMARK_UNKNOWNS: Final = 154_805
 BENCHMARK: Final = {"tangent": (1.67, 0.99), "set-up": (1.86, 1.47)}
 
 
-def rows_of(point: Point, found: Measured | None, why: str) -> list[Row]:
+def rows_of(point: Point, found: Measured | str) -> list[Row]:
     """A row per number of a point, or one that says why there is none."""
     scene, level = (
         point.size.scene,
         f"n{point.size.around}r{point.size.refinement}, {point.method}, ranks: {point.ranks}",
     )
-    if found is None:
-        return [row(scene, "setup_s", "s", math.nan, "full3d", math.nan, level, status=why)]
+    if isinstance(found, str):
+        return [row(scene, "setup_s", "s", math.nan, "full3d", math.nan, level, status=found)]
     status = f"failed: {found.failure}" if found.failure else REACHED
     numbers = {name: float(value) for name, value in asdict(found).items() if not isinstance(value, str)}
     return [
@@ -49,20 +49,23 @@ def _unit(name: str) -> str:
 
 def points_table(points: Sequence[Measured]) -> Table:
     """A line per point."""
-    lines = [_point_line(p) for p in sorted(points, key=lambda p: (p.unknowns, p.method, p.ranks))]
-    times = ("set-up, CPU s", "solve, CPU s", "both, CPU s", "both, wall s")
-    header = ("unknowns", "solver", "ranks", *times, "memory, MB", "iterations", "note")
-    return Table(header, tuple(lines), left=(1, 9))
+    columns: dict[str, Callable[[Measured], str]] = {
+        "unknowns": lambda p: f"{p.unknowns}",
+        "solver": lambda p: p.method,
+        "ranks": lambda p: f"{p.ranks}",
+        "set-up, CPU s": lambda p: _measured(p, p.setup_cpu_s, ".2f"),
+        "solve, CPU s": lambda p: _measured(p, p.solve_cpu_s, ".2f"),
+        "both, CPU s": lambda p: _measured(p, p.iteration_cpu_s, ".2f"),
+        "both, wall s": lambda p: _measured(p, p.iteration_s, ".2f"),
+        "memory, MB": lambda p: _measured(p, p.peak_mb, ".0f"),
+        "iterations": lambda p: f"{p.iterations}" if p.iterations or p.failure else MISSING,
+        "note": lambda p: p.failure or ("" if p.modes < 0 else f"unstable modes: {p.modes}"),
+    }
+    return table_of(sorted(points, key=lambda p: (p.unknowns, p.method, p.ranks)), columns, left=(1, 9))
 
 
-def _point_line(p: Measured) -> tuple[str, ...]:
-    what = (f"{p.unknowns}", p.method, f"{p.ranks}")
-    if p.failure:
-        return (*what, *(MISSING,) * 5, f"{p.iterations}", p.failure)
-    times = (p.setup_cpu_s, p.solve_cpu_s, p.iteration_cpu_s, p.iteration_s)
-    iterations = f"{p.iterations}" if p.iterations else MISSING
-    note = "" if p.modes < 0 else f"unstable modes: {p.modes}"
-    return (*what, *(f"{value:.2f}" for value in times), f"{p.peak_mb:.0f}", iterations, note)
+def _measured(point: Measured, value: float, form: str) -> str:
+    return MISSING if point.failure else format(value, form)
 
 
 def law_of(points: Sequence[Measured], method: str, name: str) -> PowerLaw | None:

@@ -20,9 +20,8 @@ from studies.stability.cases import AXES, CONTROL, cases
 from studies.stability.cells import Cell
 from studies.stability.judge import PRESSURE_TOLERANCE_PERCENT, SAME_PERCENT, TOLERANCE_PERCENT, Outcome
 from studies.stability.plots import draw_map
-from studies.stability.ranks import Job, run_in_child
 from studies.stability.references import Reference, Series, series_for, series_of, solve_reference
-from studies.stability.run import run_cell
+from studies.stability.run import Job, run_cell, run_in_child
 from studies.stability.tables import (
     Ended,
     controls_table,

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from studies.engine import Solved
 from studies.report.numbers import MISSING
-from studies.report.tables import Table
+from studies.report.tables import Table, table_of
 from studies.results.rows import REACHED, Row, row
 from studies.stability.cells import Axis, Bellows, Cell
 from studies.stability.judge import Outcome
@@ -102,8 +102,13 @@ def unstable_lines(ended: Sequence[Ended]) -> list[str]:
 
 def controls_table(pairs: Sequence[tuple[Ended, Ended]]) -> Table:
     """Each control beside the same cell without its flaw."""
-    lines = [(a.case.flaw, a.case.place, _ending(a.result), _ending(b.result)) for a, b in pairs]
-    return Table(("control", "cell", "control ends in", "the solver ends in"), tuple(lines), left=(0, 1, 2, 3))
+    columns: dict[str, Callable[[tuple[Ended, Ended]], str]] = {
+        "control": lambda pair: pair[0].case.flaw,
+        "cell": lambda pair: pair[0].case.place,
+        "control ends in": lambda pair: _ending(pair[0].result),
+        "the solver ends in": lambda pair: _ending(pair[1].result),
+    }
+    return table_of(pairs, columns, left=(0, 1, 2, 3))
 
 
 def _ending(outcome: Outcome) -> str:

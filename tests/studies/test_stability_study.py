@@ -18,8 +18,7 @@ from studies.stability.cases import AXES, CONTROL, cases, controls, product
 from studies.stability.cells import Bellows, Cell, Round
 from studies.stability.exact import exact_answer
 from studies.stability.judge import CRASH, Outcome
-from studies.stability.ranks import Job, run_in_child
-from studies.stability.run import run_cell
+from studies.stability.run import Job, run_cell, run_in_child
 from studies.stability.study import bars_of, job_of, key_of, stress_test
 
 TUBE = Round("tube", along=1, through=2)
