@@ -19,10 +19,12 @@ from solvers.linear.factor import Factor
 from solvers.linear.krylov import IterativeSolver
 from solvers.paths.path import follow_path
 from solvers.paths.records import PathSettings
-from studies.models.build import revolve_state, scene_body, scene_meridian, scene_problem
+from studies.models.build import revolve_state, scene_problem
 from studies.results import provenance
 from studies.results.kept import keep
-from studies.scene.bellows import Scene, load_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_body, scene_meridian
 
 Method = Literal["direct", "iterative"]
 
@@ -76,7 +78,7 @@ class Measured:
         return self.setup_cpu_s + self.solve_cpu_s
 
 
-def measure(scene: Scene, around: int, refinement: int, method: Method, comm: MPI.Comm) -> Measured:
+def measure(scene: BellowsScene, around: int, refinement: int, method: Method, comm: MPI.Comm) -> Measured:
     """Set up and solve for the load's direction at a scene's first pressure, on the revolved axisymmetric state.
 
     Returns
@@ -138,7 +140,7 @@ def main() -> None:
     """Measure the point that the arguments name."""
     scene, around, refinement, method, file, key = sys.argv[1:]
     chosen: Method = "iterative" if method == "iterative" else "direct"
-    found = measure(load_scene(Path(scene)), int(around), int(refinement), chosen, MPI.COMM_WORLD)
+    found = measure(load_bellows(Path(scene)), int(around), int(refinement), chosen, MPI.COMM_WORLD)
     if MPI.COMM_WORLD.rank == 0:
         keep(Path(file), key, found)
 

@@ -24,9 +24,13 @@ from solvers.discrete.domain import create_domain
 from solvers.discrete.elements import P2_P0
 from solvers.problem import Problem
 from solvers.state import State, pressure_at_corners
-from studies.models.build import Tip, scene_meridian, scene_problem
+from studies.models.build import scene_problem
+from studies.models.tip import Tip
 from studies.results import provenance
-from studies.scene.bellows import Scene, inverse_kappa, law_of, load_scene, shape_of
+from studies.scene.bellows import BellowsScene, shape_of
+from studies.scene.files import load_bellows
+from studies.scene.materials import inverse_kappa, law_of
+from studies.scene.meshes import scene_meridian
 from studies.scene.sections import SceneError
 from studies.stability.cells import Bellows, Cell, Flaw, Round
 from studies.stability.controls import problem_with
@@ -81,7 +85,7 @@ def pose_bellows(body: Bellows, load_kpa: float, comm: MPI.Comm, flaw: Flaw = ""
     return Posed(problem, Tip(scene, mesh).mean_mm, room_mm=room_mm)
 
 
-def scene_of(body: Bellows, load_kpa: float) -> Scene:
+def scene_of(body: Bellows, load_kpa: float) -> BellowsScene:
     """The scene of a bellows, through the same checks as a user's file.
 
     Raises
@@ -98,12 +102,12 @@ def scene_of(body: Bellows, load_kpa: float) -> Scene:
         path = Path(folder, "scene.toml")
         path.write_text(tomlkit.dumps(document), encoding="utf-8")
         try:
-            return load_scene(path)
+            return load_bellows(path)
         except SceneError as error:
             raise SceneError(str(error).replace(f"{path}: ", "")) from None
 
 
-def _bellows_mesh(scene: Scene, body: Bellows) -> SolidMesh:
+def _bellows_mesh(scene: BellowsScene, body: Bellows) -> SolidMesh:
     if body.cell_mm is None and body.through is None:
         mesh = scene_meridian(scene, body.level)
     else:
@@ -114,7 +118,7 @@ def _bellows_mesh(scene: Scene, body: Bellows) -> SolidMesh:
     return shaken(mesh, body.noise, body.seed) if body.noise else mesh
 
 
-def _bellows_problem(scene: Scene, body: Bellows, mesh: SolidMesh, comm: MPI.Comm, flaw: Flaw) -> Problem:
+def _bellows_problem(scene: BellowsScene, body: Bellows, mesh: SolidMesh, comm: MPI.Comm, flaw: Flaw) -> Problem:
     """Of the scene; of meshed rings with another modulus; or of a control, without rings."""
     if body.contrast is None and not flaw:
         return scene_problem(scene, mesh if comm.rank == 0 else None, comm)

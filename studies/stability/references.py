@@ -10,7 +10,7 @@ from mpi4py import MPI
 from analytical.laws.errors import MaterialError
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
-from studies.results.compare import MERIDIAN_ORDER
+from studies.results.runs import MERIDIAN_ORDER
 from studies.results.uncertainty import convergence, from_two
 from studies.scene.sections import SceneError
 from studies.stability.bodies import pose_bellows
