@@ -211,11 +211,11 @@ study-stacks: check ## as root: the same rows on three stacks, and what each cos
 
 .PHONY: study-closed-form
 study-closed-form: check ## chains, corrections, validity, laws and exact solutions -> results/closed-form
-	$(PY) -m studies closed-form --out results/closed-form
+	$(PY) -m studies study closed-form --out results/closed-form
 
 .PHONY: benchmark-closed-form
 benchmark-closed-form: check ## evaluations of the closed form per second, one core -> results/benchmark-closed-form
-	OPENBLAS_NUM_THREADS=1 $(PY) -m studies benchmark-closed-form --out results/benchmark-closed-form
+	OPENBLAS_NUM_THREADS=1 $(PY) -m studies study benchmark-closed-form --out results/benchmark-closed-form
 
 .PHONY: benchmark-solver
 benchmark-solver: check ## cost of tangent, factor, iteration, warm and cold start; NP ranks -> results/benchmark-solver
@@ -223,7 +223,7 @@ benchmark-solver: check ## cost of tangent, factor, iteration, warm and cold sta
 
 .PHONY: study-dimensions
 study-dimensions: check ## what fits the unprinted dimensions, which three sets are used -> results/dimensions
-	$(PY) -m studies dimensions --out results/dimensions
+	$(PY) -m studies study dimensions --out results/dimensions
 
 .PHONY: example
 example: ## keep the reports of EXAMPLES (default: all) from results in docs; field files stay out of git

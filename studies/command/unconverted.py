@@ -179,56 +179,6 @@ def verification_command(out: Path, reuse: Path | None) -> None:
     sys.exit(STOPPED if found.stopped else 0)
 
 
-@click.command("closed-form")
-@OUT
-def closed_form(out: Path) -> None:
-    """Write the report of the closed form: chains, corrections, validity, material laws, exact solutions."""
-    from studies.closed_form import study as closed_form_study
-
-    check_writable(out)
-    if MPI.COMM_WORLD.rank == 0:
-        click.echo(f"report: {closed_form_study.write_study(out)}")
-
-
-@click.command("dimensions")
-@OUT
-@click.option("--write-scenes", is_flag=True, help="Also write the scenes of the three sets into scenes/.")
-def dimensions_command(out: Path, write_scenes: bool) -> None:
-    """Find the dimensions that meet the paper's closed-form numbers and pick three sets of them.
-
-    The exit code is 3 if the picks are not those that analytical/bellows/paper.py records; scenes/ is then left alone.
-    """
-    from studies.dimensions import scenes as dimension_scenes
-    from studies.dimensions import study as dimensions
-
-    check_writable(out)
-    if MPI.COMM_WORLD.rank != 0:
-        return
-    picks = dimensions.write_study(out).picks
-    click.echo(f"report: {out / 'report.html'}")
-    if not picks.as_recorded:
-        click.echo(
-            f"analytical/bellows/paper.py: FAMILIES is not what the rule picks, {picks.families}: edit it", err=True
-        )
-        sys.exit(STOPPED)
-    if write_scenes:
-        for path in dimension_scenes.write_scenes(provenance.ROOT / "scenes", picks.families):
-            click.echo(f"scene: {path}")
-
-
-@click.command("benchmark-closed-form")
-@OUT
-def benchmark_closed_form(out: Path) -> None:
-    """Measure the closed form's evaluations per second on one core, and their error."""
-    from studies.closed_form import benchmark
-    from studies.report.tables import as_text
-
-    check_writable(out)
-    if MPI.COMM_WORLD.rank == 0:
-        found = benchmark.run(out)
-        click.echo(f"{benchmark.setting()}\n{as_text(found)}\nrows: {out / 'rows.csv'}")
-
-
 @click.command("benchmark-solver")
 @OUT
 def benchmark_solver(out: Path) -> None:
@@ -248,8 +198,5 @@ COMMANDS = (
     modes_command,
     exact_command,
     verification_command,
-    closed_form,
-    dimensions_command,
-    benchmark_closed_form,
     benchmark_solver,
 )

@@ -12,7 +12,8 @@ from studies.large.cases import METHODS, Point
 from studies.large.fits import FLOPS_EXPONENT, PowerLaw, amdahl, crossing, flops_bound, power_law
 from studies.large.measure import Measured
 from studies.report.numbers import MISSING
-from studies.report.style import BLUE, VERMILION, figure_file
+from studies.report.panels import Panel, Series, draw_panels
+from studies.report.style import BLUE, INSIDE, VERMILION
 from studies.report.tables import Table, table_of
 from studies.results.rows import REACHED, Row, row
 
@@ -122,16 +123,14 @@ def _scaling_line(unknowns: int, solver: str, part: str, one_s: float, two_s: fl
 
 def draw(path: Path, points: Sequence[Measured]) -> None:
     """Time and memory over size, both logarithmic."""
-    labels = {"iteration_cpu_s": "set-up and one solve, CPU s", "peak_mb": "peak memory, MB"}
-    with figure_file(path, 8.6, 4.0) as figure:
-        for axes, (name, label) in zip(figure.subplots(1, 2), labels.items(), strict=True):
-            for method, colour in COLOURS.items():
-                mine = sorted((p for p in points if p.method == method), key=lambda p: p.unknowns)
-                if mine:
-                    at, values = [p.unknowns for p in mine], [float(getattr(p, name)) for p in mine]
-                    axes.loglog(at, values, "o-", color=colour, label=method)
-            axes.set_xlabel("unknowns")
-            axes.set_ylabel(label)
-            axes.grid(True, which="major", alpha=0.3)
-        if points:
-            figure.axes[0].legend(frameon=False)
+    quantities = {"iteration_cpu_s": "set-up and one solve, CPU s", "peak_mb": "peak memory, MB"}
+    panels: list[Panel] = []
+    for name, label in quantities.items():
+        series = []
+        for method, colour in COLOURS.items():
+            mine = sorted((p for p in points if p.method == method), key=lambda p: p.unknowns)
+            values = [float(getattr(p, name)) for p in mine]
+            text = "" if panels else method  # one legend says it for both
+            series.append(Series([p.unknowns for p in mine], values, {"color": colour, "marker": "o"}, text))
+        panels.append(Panel(series, "unknowns", label, logarithmic="xy"))
+    draw_panels(path, [panels], (8.6, 4.0), INSIDE)

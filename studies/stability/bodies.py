@@ -24,8 +24,7 @@ from solvers.discrete.domain import create_domain
 from solvers.discrete.elements import P2_P0
 from solvers.problem import Problem
 from solvers.state import State, pressure_at_corners
-from studies.models.build import scene_problem
-from studies.models.tip import Tip
+from studies.models.build import Tip, scene_problem
 from studies.results import provenance
 from studies.scene.bellows import BellowsScene, shape_of
 from studies.scene.files import load_bellows
