@@ -140,7 +140,7 @@ sweep: check ## run all scenes of SWEEP, a sweep file -> results/sweeps/NAME
 
 .PHONY: study-stability
 study-stability: check ## stress test: hundreds of cells, none may be a wrong answer -> results/stability
-	$(LAUNCH) -m studies stability --out results/stability
+	$(LAUNCH) -m studies study stability --out results/stability
 
 .PHONY: study-modes
 study-modes: check ## modes that break the symmetry: from which pressure on, in which shape -> results/modes
@@ -197,7 +197,7 @@ study-verification: check ## table of every exact and published problem -> resul
 
 .PHONY: study-large
 study-large: check ## direct and iterative linear algebra over size, 25 minutes at most -> results/large
-	$(PY) -m studies.large.study --out results/large --ranks $(NP)
+	$(PY) -m studies study large --out results/large --ranks $(NP)
 
 .PHONY: study-stacks
 study-stacks: check ## as root: the same rows on three stacks, and what each costs; 40 minutes -> results/stacks
@@ -207,7 +207,7 @@ study-stacks: check ## as root: the same rows on three stacks, and what each cos
 		packages/in_root.sh $$stack $(ROOTS) bash -c "make check && .venv/bin/python -m studies.stacks.figures --out $$out"; \
 		mkdir -p $$out; cp $(ROOTS)/$$stack/opt/bellowsx/$$out/{rows.csv,figures.json} $$out/; \
 	done
-	$(PY) -m studies.stacks.study $(STACKS:%=results/stacks/%) --out results/stacks
+	$(PY) -m studies study stacks $(STACKS:%=results/stacks/%) --out results/stacks
 
 .PHONY: study-closed-form
 study-closed-form: check ## chains, corrections, validity, laws and exact solutions -> results/closed-form

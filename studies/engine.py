@@ -40,6 +40,9 @@ STUDIES: Mapping[str, str] = {
     "imperfection": "studies.imperfection.study",
     "contact": "studies.contact.study",
     "vacuum": "studies.vacuum.study",
+    "stability": "studies.stability.study",
+    "large": "studies.large.study",
+    "stacks": "studies.stacks.study",
     "benchmark-closed-form": "studies.closed_form.speed",
 }
 

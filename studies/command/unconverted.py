@@ -76,18 +76,6 @@ def sweep_study_command(out: Path) -> None:
     sys.exit(0 if outcome.reached else STOPPED)
 
 
-@click.command("stability")
-@OUT
-def stability_command(out: Path) -> None:
-    """Push bodies along the axes on which solvers break; the exit code is 3 if any cell is a wrong answer."""
-    from studies.stability import study as stability_study
-
-    check_writable(out)
-    report, ok = stability_study.write_study(out, MPI.COMM_WORLD, say)
-    say(f"report: {report}")
-    sys.exit(0 if ok else STOPPED)
-
-
 @click.command()
 @OUT
 def smoke(out: Path) -> None:
@@ -158,7 +146,6 @@ def benchmark_solver(out: Path) -> None:
 COMMANDS = (
     paper,
     sweep_study_command,
-    stability_command,
     smoke,
     exact_command,
     verification_command,
