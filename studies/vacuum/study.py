@@ -11,6 +11,7 @@ import click
 from studies.engine import Page, Setting, Solved, Study
 from studies.models.axisymmetric import run_axisymmetric
 from studies.models.run_rows import path_rows, requested_rows, run_notes, stops
+from studies.report.labels import level_label
 from studies.report.panels import Panel, Series, draw_panels
 from studies.report.pictures.meridians import draw_shapes
 from studies.report.style import BESIDE, CURVES
@@ -77,7 +78,7 @@ def page(solved: Sequence[Solved[BellowsScene, list[Run]]], at: Setting) -> Page
         found, picture = rows_of(at.out, scene, runs), f"pictures/{scene.name}.png"
         rows += found
         draw_shapes(at.out / picture, scene, runs[0], folder_of(at.out, scene, runs[0].summary.level))
-        notes = [f"{run.summary.level}: {note}" for run in runs for note in run_notes(run)]
+        notes = [f"{level_label(run.summary.level)}: {note}" for run in runs for note in run_notes(run)]
         sections.append({"scene": scene, "table": contractions(found), "notes": notes, "picture": picture})
     series = [shortening(done.result, look) for done, look in zip(solved, CURVES, strict=False)]
     axis = "vacuum in the cavity, kPa (linear to 0.1, then logarithmic)"
