@@ -1,4 +1,4 @@
-"""Counts by harmonic in runs: path.csv, modes.json, the modes command, revolved shapes."""
+"""Counts by harmonic in runs: path.csv, modes.json, the modes study, revolved shapes."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ def test_solve_says_that_a_held_tip_bends_sideways(blocked) -> None:
 
 
 @pytest.mark.slow
-def test_modes_command_writes_rows_and_draws_the_mode(tmp_path) -> None:
+def test_modes_study_writes_rows_and_draws_the_mode(tmp_path) -> None:
     scene = tmp_path / "tube.toml"
     scene.write_text(TUBE.format(name="tube", length=100.0), encoding="utf-8")
     result = CliRunner().invoke(main, ["study", "modes", str(scene), "--out", str(tmp_path / "out")])
@@ -158,7 +158,7 @@ def test_modes_command_writes_rows_and_draws_the_mode(tmp_path) -> None:
     assert kept["crossings"][0]["tip_mm"] is None  # a tube between two clamps has no tip
 
 
-def test_modes_command_refuses_what_is_no_body_of_revolution(tmp_path) -> None:
+def test_modes_study_refuses_what_is_no_body_of_revolution(tmp_path) -> None:
     scene = ROOT / "scenes" / "exact" / "cube.toml"
     result = CliRunner().invoke(main, ["study", "modes", str(scene), "--out", str(tmp_path / "out")])
     assert result.exit_code == 2
