@@ -34,6 +34,8 @@ ROWS_FILE = "rows.csv"
 # Studies in the order of a reader's questions, and the module that has each as STUDY.
 STUDIES: Mapping[str, str] = {
     "vacuum": "studies.vacuum.study",
+    "cost": "studies.cost.study",
+    "error-model": "studies.cost.error_model.study",
 }
 
 

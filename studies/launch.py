@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -70,19 +72,35 @@ def busy_s() -> float:
 
 
 def run(command: Sequence[str], environment: dict[str, str], limit_s: float) -> Ended:
-    """Run a command to its end, or to the limit; CPU time is that of all processes it has waited for."""
+    """Run a command with all its children to its end, or to the limit, which is exit code -1.
+
+    CPU time is that of all processes it has waited for. Nothing is left running, also if this process is interrupted
+    or terminated.
+    """
+    previous = signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as error:
         before, busy, begin = os.times(), busy_s(), time.perf_counter()
-        process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=out, stderr=error)
+        process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=out, stderr=error, start_new_session=True)
         try:
             code = process.wait(limit_s)
         except subprocess.TimeoutExpired:
-            process.terminate()  # mpirun ends its ranks
-            process.wait(60.0)
             code = -1
+        finally:
+            _end(process)
+            signal.signal(signal.SIGTERM, previous)
         wall, after = time.perf_counter() - begin, os.times()
         cpu = after.children_user + after.children_system - before.children_user - before.children_system
         others = max(0.0, busy_s() - busy - cpu)
         out.seek(0)
         error.seek(0)
         return Ended(code, out.read(), error.read(), wall, cpu, others)
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End what is left of a process and its children; mpirun ends its ranks."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGTERM)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(10.0)
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()

@@ -1,6 +1,6 @@
 """Measures one cell of the cost study: ``mpirun -n R python -m studies.cost.cell '{"body": …}' --out FOLDER``.
 
-The last line on standard output is the measurement as JSON; the caller adds what only it can see (`cost_study`).
+The last line on standard output is the measurement as JSON; `studies.cost.measure` adds what only it can see.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import click
@@ -17,7 +17,8 @@ from mpi4py import MPI
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
 from solvers.paths.records import PathSettings, PathState
-from studies.cost.cells import Cell, Measurement, cell_scene
+from studies.cost.cases import Cell, cell_scene
+from studies.cost.measurement import Measurement
 from studies.models.body_run import run_exact
 from studies.models.build import SECTORS, Tip, masses_g, scene_body, scene_meridian, scene_problem
 from studies.models.gaps import GapMeter
@@ -28,10 +29,8 @@ from studies.planning.levels import BodyLevel, body_level, fineness
 from studies.progress import Progress
 from studies.results import provenance
 from studies.results.compare import tip_at
+from studies.results.files import PathRow
 from studies.scene.bellows import Scene
-
-# To be raised when something else is measured, so that what was measured before is not taken for it.
-MEASURED_AS = 1
 
 
 @dataclass(frozen=True)
@@ -86,13 +85,11 @@ def cold_body(scene: Scene, cell: Cell, level: BodyLevel, folder: Path, comm: MP
     problem.timer.seconds["mesh"] = meshed
     factor = Factor(problem)
     tip, parts = Tip(scene, body), SECTORS[cell.model]
-    log = Log(
-        job,
-        comm,
-        body,
-        lambda item: path_row(item, tip.mean_mm(item.state), tip.centre_mm(item.state), parts),
-        GapMeter(scene, meridian, body),
-    )
+
+    def row_of(item: PathState) -> PathRow:
+        return path_row(item, tip.mean_mm(item.state), tip.centre_mm(item.state), parts)
+
+    log = Log(job, comm, body, row_of, GapMeter(scene, meridian, body))
 
     def keep(item: PathState) -> None:
         log.state(item)
@@ -143,10 +140,10 @@ def main(cell: str, out: Path) -> None:
     wanted = Cell(**json.loads(cell))
     threads = provenance.blas_threads()
     if (comm.size, threads) != (wanted.ranks, wanted.threads):
-        raise click.UsageError(f"{comm.size} ranks x {threads} BLAS threads: the cell has {wanted.name}")
+        raise click.UsageError(f"{comm.size} ranks x {threads} BLAS threads: the cell has {wanted.setting}")
     found = measure(wanted, out, comm)
     if comm.rank == 0:
-        click.echo("\n" + found.as_json())
+        click.echo("\n" + json.dumps(asdict(found)))
 
 
 if __name__ == "__main__":

@@ -8,15 +8,26 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from matplotlib.ticker import FuncFormatter
 
-from studies.cost.rows import Point, Power, front, told_apart
-from studies.report.style import BESIDE, BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, figure_file
+from studies.cost.growth import Growth, per_factorisation
+from studies.cost.points import Point, front
+from studies.report.labels import model_label
+from studies.report.style import (
+    BESIDE,
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    PURPLE,
+    VERMILION,
+    figure_file,
+    grid,
+    logarithmic,
+    style_of,
+)
 
-# Of this program by model, of others by their name in turn.
-COLOURS = {"closed_form": ORANGE, "axisymmetric": BLUE, "sector": SKY, "full3d": VERMILION}
-LABELS = {"closed_form": "closed form", "axisymmetric": "axisymmetric", "sector": "quarter in 3D", "full3d": "full 3D"}
-PEER_COLOURS = (GREEN, PURPLE, BLACK, "#777777")
+# Of other programs by their name in turn.
+PEER_COLOURS = (GREEN, PURPLE, BLACK, GREY)
 MARKERS = {"hex": "s", "tet": "^", "tet-p0": "v", "tet-p1": "x", "none": "P"}
 ELEMENTS = {
     "hex": "hexahedra",
@@ -25,11 +36,6 @@ ELEMENTS = {
     "tet-p1": "tetrahedra P1",
     "none": "no cells",
 }
-
-
-def short_name(point: Point) -> str:
-    """Element and mesh, for instance ``hex n8r2``; also of a peer."""
-    return f"{point.element} {point.mesh}"
 
 
 def draw_front(path: Path, points: Sequence[Point], whole: bool = False) -> None:
@@ -44,85 +50,69 @@ def draw_front(path: Path, points: Sequence[Point], whole: bool = False) -> None
     whole
         True for the time from start to end of the process, which is all that is known of other programs.
     """
-
-    def time_of(p: Point) -> float:
-        return p.wall_s if whole else p.time_s
-
+    if whole:
+        points = [replace(p, work_s=math.nan) for p in points]
     shown = [p for p in points if np.isfinite(p.error_percent) and np.isfinite(p.wall_s)]
     models = list(dict.fromkeys(p.model for p in shown))
     peers = [model for model in models if model.startswith("peer_")]
-    colours = COLOURS | {model: PEER_COLOURS[k % len(PEER_COLOURS)] for k, model in enumerate(peers)}
+    colours = {model: style_of(model)["color"] for model in models if model not in peers}
+    colours |= {model: PEER_COLOURS[k % len(PEER_COLOURS)] for k, model in enumerate(peers)}
     with figure_file(path, 8.6, 5.0) as figure:
         axes = figure.add_subplot()
-        for model in models:
+        for model, colour in colours.items():
             mine = [p for p in shown if p.model == model]
-            line = front([replace(p, work_s=math.nan) for p in mine] if whole else mine)
-            label = LABELS.get(model, model.removeprefix("peer_"))
-            axes.plot(
-                [time_of(p) for p in line],
-                [told_apart(p) for p in line],
-                color=colours[model],
-                linewidth=1.4,
-                label=label,
-            )
+            line = front(mine)
+            label = model_label(model.removeprefix("peer_"))
+            axes.plot(*_places(line), color=colour, linewidth=1.4, label=label)
             for p in line:
-                at = (time_of(p), told_apart(p))
-                axes.annotate(short_name(p), at, (4, 5), textcoords="offset points", fontsize=7.5, color=colours[model])
+                at = (p.time_s, p.told_apart_percent)
+                name = f"{p.element} {p.mesh}"
+                axes.annotate(name, at, (4, 5), textcoords="offset points", fontsize=7.5, color=colour)
             for element in dict.fromkeys(p.element for p in mine):
                 of = [p for p in mine if p.element == element]
-                marker = MARKERS.get(element, "D")
-                look = {"color": colours[model], "marker": marker, "linestyle": "none", "markersize": 6.5}
-                axes.plot([time_of(p) for p in of], [told_apart(p) for p in of], alpha=0.8, **look)  # type: ignore[arg-type]
-        default = [p for p in shown if p.default]
-        if default:
-            ring = {"marker": "o", "markersize": 14, "markerfacecolor": "none", "markeredgecolor": BLACK}
-            axes.plot(
-                [time_of(p) for p in default],
-                [told_apart(p) for p in default],
-                linestyle="none",
-                label="settings of study-paper",
-                **ring,  # type: ignore[arg-type]
-            )
+                axes.scatter(*_places(of), s=42.0, color=colour, marker=MARKERS.get(element, "D"), alpha=0.8)
+        if default := [p for p in shown if p.default]:
+            label = "settings of study-paper"
+            axes.scatter(*_places(default), s=196.0, facecolors="none", edgecolors=BLACK, label=label)
         for element in dict.fromkeys(p.element for p in shown if not p.is_peer):
-            axes.plot([], [], color="#777777", marker=MARKERS[element], linestyle="none", label=ELEMENTS[element])
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-        for axis in (axes.xaxis, axes.yaxis):
-            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axes.set_xlabel(
-            "wall time, s, " + ("from start to end of the process" if whole else "without start and imports")
-        )
+            axes.plot([], [], color=GREY, marker=MARKERS[element], linestyle="none", label=ELEMENTS[element])
+        logarithmic(axes, "x", "y")
+        axes.set_xlabel(f"wall time, s, {'from start to end of the process' if whole else 'without start and imports'}")
         axes.set_ylabel("error, %")
-        axes.grid(which="both", color="#ececec")
-        axes.set_axisbelow(True)
+        grid(axes, which="both")
         if shown:
             axes.legend(**BESIDE)
 
 
-def draw_growth(path: Path, unknowns: Sequence[float], curves: Sequence[tuple[str, Sequence[float], Power]]) -> None:
-    """Draw quantities over the number of unknowns, both logarithmic, each with its power law.
+def _places(of: Sequence[Point]) -> tuple[list[float], list[float]]:
+    """Times, s, and errors, percent."""
+    return [p.time_s for p in of], [p.told_apart_percent for p in of]
+
+
+def draw_growth(path: Path, of: Sequence[Point], laws: Growth) -> None:
+    """Draw time, time per factorisation and memory over the number of unknowns, logarithmic, each with its power law.
 
     Parameters
     ----------
     path
         The PNG to write.
-    unknowns
-        Sizes of the bodies.
-    curves
-        Label, values and power law of each, side by side.
+    of
+        Bodies of growing size.
+    laws
+        Theirs.
     """
+    curves = (
+        ("time without start, s", [p.work_s for p in of], laws.time, VERMILION),
+        ("time per factorisation, s", [per_factorisation(p) for p in of], laws.iteration, BLUE),
+        ("memory, MB", [p.peak_mb for p in of], laws.memory, GREEN),
+    )
+    unknowns = [p.unknowns for p in of]
+    ends = np.array([min(unknowns), max(unknowns)])
     with figure_file(path, 8.6, 3.8) as figure:
-        panels = np.atleast_1d(figure.subplots(1, len(curves)))
-        ends = np.array([min(unknowns), max(unknowns)])
-        for axes, (label, values, law), colour in zip(panels, curves, (VERMILION, BLUE, GREEN), strict=False):
+        for axes, (label, values, law, colour) in zip(figure.subplots(1, 3), curves, strict=True):
             axes.plot(unknowns, values, color=colour, marker="s", linestyle="none")
-            axes.plot(
-                ends, [law.at(x) for x in ends], color=colour, linewidth=1.2, label=f"exponent {law.exponent:.2f}"
-            )
-            axes.set_xscale("log")
-            axes.set_yscale("log")
-            axes.set_xlabel("unknowns")
-            axes.set_ylabel(label)
-            axes.grid(which="both", color="#ececec")
-            axes.set_axisbelow(True)
+            line = [law.at(x) for x in ends]
+            axes.plot(ends, line, color=colour, linewidth=1.2, label=f"exponent {law.exponent:.2f}")
+            axes.set(xscale="log", yscale="log", xlabel="unknowns", ylabel=label)
+            grid(axes, which="both")
             axes.legend(frameon=False)

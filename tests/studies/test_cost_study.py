@@ -8,10 +8,10 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-
-from studies.cost import study as cost_study
 from studies.cost.cells import BELLOWS, TUBE, Cell, Measurement, all_cells, cell_scene, is_default, measurement
 from studies.cost.report import by_model, write_cost_report
+
+from studies.cost import study as cost_study
 from studies.cost.rows import (
     BELLOWS_FLOOR_PERCENT,
     Point,

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mpi4py import MPI
-
 from studies.cost.error_fit import (
     FINEST,
     TOLERANCE_SCENES,
@@ -23,6 +22,7 @@ from studies.cost.error_fit import (
     time_laws,
     training_scenes,
 )
+
 from studies.models.build import scene_meridian
 from studies.planning import error_model
 from studies.planning.error_model import (
