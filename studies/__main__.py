@@ -406,18 +406,6 @@ def benchmark_closed_form(out: Path) -> None:
         click.echo(f"{benchmark.setting()}\n{as_text(found)}\nrows: {out / 'rows.csv'}")
 
 
-@main.command("benchmark-solver")
-@OUT_OPTION
-def benchmark_solver(out: Path) -> None:
-    """Measure tangent, factorisation and Newton iteration of a full body, and its path from warm and from cold."""
-    from studies.cost import solver_benchmark
-
-    _writable(out)
-    ((checked, _),) = _load((provenance.ROOT / "scenes" / "heung-t2-ri5.toml",))
-    assert isinstance(checked, Scene)
-    _out("\n".join(solver_benchmark.run(checked, out)))
-
-
 @main.command()
 @click.argument("folder", type=click.Path(path_type=Path, exists=True, file_okay=False))
 def report(folder: Path) -> None:

@@ -36,6 +36,7 @@ STUDIES: Mapping[str, str] = {
     "vacuum": "studies.vacuum.study",
     "cost": "studies.cost.study",
     "error-model": "studies.cost.error_model.study",
+    "benchmark-solver": "studies.cost.solver_benchmark",
 }
 
 
