@@ -35,6 +35,7 @@ ROWS_FILE = "rows.csv"
 STUDIES: Mapping[str, str] = {
     "vacuum": "studies.vacuum.study",
     "cost": "studies.cost.study",
+    "peers": "studies.peers.study",
     "error-model": "studies.cost.error_model.study",
     "benchmark-solver": "studies.cost.solver_benchmark",
 }

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -59,6 +59,11 @@ class Ended:
     wall_s: float
     cpu_s: float
     others_s: float
+
+
+def until(unit_s: float) -> Callable[[object, object, float], float]:
+    """Callback of an option that says how long new children are started: until when, by `time.monotonic`."""
+    return lambda context, parameter, length: time.monotonic() + unit_s * length
 
 
 def busy_s() -> float:

@@ -15,6 +15,7 @@ from typing import Any, Final
 
 import click
 
+from studies import launch
 from studies.cost.cases import BATCHES, CELLS, LARGE, Batch, Cell, cell_scene
 from studies.cost.measure import kept_measurement, measure
 from studies.cost.page import PEER_RATIO, content
@@ -86,11 +87,6 @@ def page(solved: Sequence[Solved[Turn, None]], at: Setting) -> Page:
     return Page(rows, content(rows, at.out), stopped)
 
 
-def _deadline(context: click.Context, parameter: click.Parameter, minutes: float) -> float:
-    """When so many minutes from now are over, on the clock of `time.monotonic`."""
-    return time.monotonic() + 60.0 * minutes
-
-
 def _rows_file(option: str, study: str, text: str) -> click.Option:
     return click.Option([option], default=Path("results", study, ROWS_FILE), type=click.Path(path_type=Path), help=text)
 
@@ -110,7 +106,7 @@ STUDY: Final = Study(
         click.Option(
             ["--minutes"],
             default=math.inf,
-            callback=_deadline,
+            callback=launch.until(60.0),
             help="Start no more cells after so long; the same command goes on.",
         ),
         click.Option(["--large"], is_flag=True, help="Also the largest bodies that fit 24 GB; they take minutes each."),
