@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import shutil
 import signal
@@ -13,6 +14,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from meshes import child
 
@@ -59,6 +61,21 @@ class Ended:
     wall_s: float
     cpu_s: float
     others_s: float
+
+    @property
+    def said(self) -> dict[str, Any] | None:
+        """The last line of its output that is a JSON object."""
+        for line in reversed(self.out.splitlines()):
+            with contextlib.suppress(ValueError):
+                if line.startswith("{"):
+                    return dict(json.loads(line))
+        return None
+
+    @property
+    def last_line(self) -> str:
+        """The last line of what it complained of, or else of its output."""
+        lines = [line for line in (self.error or self.out).splitlines() if line.strip()]
+        return lines[-1] if lines else ""
 
 
 def until(unit_s: float) -> Callable[[object, object, float], float]:

@@ -18,7 +18,7 @@ from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
 from solvers.paths.records import PathSettings, PathState
 from studies.cost.cases import Cell, cell_scene
-from studies.cost.measurement import Measurement
+from studies.cost.measure import Measurement
 from studies.models.body_run import run_exact
 from studies.models.build import SECTORS, Tip, masses_g, scene_body, scene_meridian, scene_problem
 from studies.models.gaps import GapMeter

@@ -10,18 +10,69 @@ import json
 import math
 import os
 import tempfile
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
 from studies import launch
 from studies.cost.cases import COMPILED, Batch, Cell, batch_texts, cell_scene
-from studies.cost.measurement import MEASURED_AS, Measurement
 from studies.results import provenance
 from studies.results.kept import content_key, keep, read_kept
 
+# To be raised when something else is measured, so that what was measured before is not taken for it.
+MEASURED_AS: Final = 1
+# Share of its wall time in which other processes may compute without disturbing a measurement.
+QUIET: Final = 0.1
 # A cell that takes longer is given up; the largest body needs about a third of it.
 LIMIT_S: Final = 900.0
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What one cell cost, and its answer.
+
+    Attributes
+    ----------
+    value, pressure_kpa
+        The tip's (bellows) or the bore's (tube) displacement at the highest requested pressure, mm; NaN if not reached.
+    wall_s, work_s
+        From start to end of the process, and without start, imports and end.
+    cpu_s
+        User and system time of all ranks, start and imports included.
+    peak_mb
+        Peak resident memory of all ranks.
+    compile_s
+        How much longer the same run takes with an empty cache of compiled forms; NaN where that was not measured.
+    split_s
+        Wall seconds by activity; ``axisymmetric start`` is the whole of the run that a warm body starts from.
+    status
+        ``reached``, or why not.
+    others_s
+        CPU seconds that other processes, or other machines on the same host, took meanwhile; NaN if not known.
+    """
+
+    value: float
+    pressure_kpa: float
+    wall_s: float
+    work_s: float
+    cpu_s: float
+    peak_mb: float
+    unknowns: int
+    factorisations: int
+    compile_s: float
+    split_s: dict[str, float] = field(hash=False)
+    status: str
+    others_s: float = math.nan
+
+    @property
+    def disturbed(self) -> bool:
+        """True unless others are known to have left the machine to it."""
+        return is_disturbed(self.others_s, self.wall_s)
+
+
+def is_disturbed(others_s: float, wall_s: float) -> bool:
+    """True unless others are known to have taken a small share of the wall time only."""
+    return not others_s <= QUIET * wall_s
 
 
 def key_of(case: Cell | Batch) -> str:
@@ -75,12 +126,9 @@ def _measure_once(cell: Cell, cache: Path) -> Measurement:
         arguments = ("-m", "studies.cost.cell", json.dumps(asdict(cell)), "--out", folder)
         environment = launch.environment(cell.threads) | {"XDG_CACHE_HOME": str(cache)}
         ended = launch.run(launch.on_ranks(cell.ranks, *arguments), environment, LIMIT_S)
-    lines = [line for line in ended.out.splitlines() if line.startswith("{")]
-    if ended.code == 0 and lines:
-        found = Measurement(**json.loads(lines[-1]))
-        return replace(found, wall_s=ended.wall_s, cpu_s=ended.cpu_s, others_s=ended.others_s)
-    said = [line for line in ended.error.splitlines() if line.strip()]
-    why = f"stopped after {LIMIT_S:g} s" if ended.code == -1 else str(said[-1] if said else ended.code)
+    if ended.code == 0 and ended.said:
+        return replace(Measurement(**ended.said), wall_s=ended.wall_s, cpu_s=ended.cpu_s, others_s=ended.others_s)
+    why = f"stopped after {LIMIT_S:g} s" if ended.code == -1 else ended.last_line or str(ended.code)
     return _costs_only(ended, f"failed: {why}")
 
 

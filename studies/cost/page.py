@@ -10,9 +10,8 @@ from typing import Any, Final
 from studies.cost import tables
 from studies.cost.cases import BODIES
 from studies.cost.error_model.checks import checks_table
-from studies.cost.growth import growing, growth_of
 from studies.cost.plots import draw_front, draw_growth
-from studies.cost.points import Point, floor_percent, front, off_front, points
+from studies.cost.points import Point, floor_percent, front, growing, growth_of, off_front, points
 from studies.report.bars import draw_times
 from studies.report.numbers import count, short_time
 from studies.results.rows import REACHED, Row

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.cost.growth import Growth, per_factorisation
-from studies.cost.points import Point, front
+from studies.cost.points import Growth, Point, front, per_factorisation
 from studies.report.labels import model_label
 from studies.report.style import (
     BESIDE,

@@ -9,7 +9,8 @@ from typing import Final
 
 import numpy as np
 
-from studies.cost.measurement import is_disturbed
+from studies.cost.cases import ACTUATOR, BODIES
+from studies.cost.measure import is_disturbed
 from studies.cost.rows import COSTS, DEFAULT, OTHERS, SPLIT
 from studies.planning.levels import ranking
 from studies.results.rows import REACHED, Row
@@ -18,6 +19,8 @@ VALUES: Final = ("tip_mm", "bore_mm")
 # Errors below this are not told apart, percent: bellows are known to 1e-4.
 FLOOR_PERCENT: Final[Mapping[str, float]] = {"tube": 1e-6}
 BELLOWS_FLOOR_PERCENT: Final = 0.01
+# What it is asked how many unknowns it holds.
+MEMORY_MB: Final = 24_000.0
 
 
 @dataclass(frozen=True)
@@ -194,3 +197,40 @@ def power_law(x: Sequence[float], y: Sequence[float]) -> Power:
     """Least squares on logarithms."""
     exponent, constant = np.polyfit(np.log(x), np.log(y), 1)
     return Power(float(np.exp(constant)), float(exponent))
+
+
+@dataclass(frozen=True)
+class Growth:
+    """Power laws over unknowns of time without start (s), of it per factorisation (s) and of memory (MB)."""
+
+    time: Power
+    iteration: Power
+    memory: Power
+
+    @property
+    def held(self) -> float:
+        """Unknowns that `MEMORY_MB` hold by the fit."""
+        return self.memory.inverse(MEMORY_MB)
+
+
+def growing(found: Sequence[Point]) -> list[Point]:
+    """Undisturbed bodies of the actuator on two ranks, the smallest first."""
+    of = [p for p in found if p.scene == BODIES[ACTUATOR] and p.model == "full3d" and p.level.endswith("warm 2x1")]
+    return sorted((p for p in of if p.status == REACHED and not p.disturbed), key=lambda p: p.unknowns)
+
+
+def per_factorisation(p: Point) -> float:
+    """Wall seconds of the body itself, without its axisymmetric start, per factorisation."""
+    return (p.work_s - p.split_s.get("axisymmetric start", 0.0)) / p.factorisations
+
+
+def growth_of(of: Sequence[Point]) -> Growth | None:
+    """Laws of growing bodies; None with fewer than three."""
+    if len(of) < 3:
+        return None
+    size = [p.unknowns for p in of]
+    return Growth(
+        time=power_law(size, [p.work_s for p in of]),
+        iteration=power_law(size, [per_factorisation(p) for p in of]),
+        memory=power_law(size, [p.peak_mb for p in of]),
+    )

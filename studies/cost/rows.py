@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from studies.cost.cases import BODIES, TUBE, Batch, Cell, cell_scene, is_default
-from studies.cost.measurement import Measurement
+from studies.cost.measure import Measurement
 from studies.planning.levels import fineness
 from studies.results.compare import MERIDIAN_ORDER
 from studies.results.exact_answers import exact_bore_mm

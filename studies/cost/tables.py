@@ -6,8 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
-from studies.cost.growth import per_factorisation
-from studies.cost.points import Point
+from studies.cost.points import Point, per_factorisation
 from studies.cost.rows import BATCH_WALL, COMPILE
 from studies.report.labels import model_label
 from studies.report.numbers import MISSING, count, short_time

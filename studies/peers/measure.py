@@ -82,7 +82,7 @@ def measure_peer(attempt: Attempt, meshes: Path, limit_s: float) -> Measurement:
         coarse = Level(attempt.level.cells, 1, 6 if attempt.dimension == 3 else 0)
         _run_peer(attempt.code, coarse, {**attempt.options, "compile_only": True}, meshes, limit_s)
     ended = _run_peer(attempt.code, attempt.level, attempt.options, meshes, limit_s)
-    said = last_json(ended.out) if ended.code != -1 else None
+    said = ended.said if ended.code != -1 else None
     if said is None:
         said = _nothing(ended)
     elif said["reason"]:
@@ -126,8 +126,7 @@ def _result(out: Path) -> dict[str, Any]:
 
 def _nothing(ended: launch.Ended) -> dict[str, Any]:
     """Of a run that said nothing, why, with the last line it wrote."""
-    lines = [line for line in (ended.error or ended.out).splitlines() if line.strip()]
-    why = f"exit {ended.code}: {lines[-1][:200] if lines else ''}"
+    why = f"exit {ended.code}: {ended.last_line[:200]}"
     if ended.code == -1:
         why = f"{_STOPPED} {ended.wall_s:.0f} s"
     return {"tip_mm": math.nan, "dofs": 0, "peak_mb": math.nan, "reason": why}
@@ -171,17 +170,6 @@ def peer_command(code: str, mesh: Path, options: Mapping[str, Any]) -> tuple[lis
 def _environment(threads: int) -> dict[str, str]:
     """Environment of a child with so many threads."""
     return {**launch.environment(threads), "OMP_NUM_THREADS": str(threads)}
-
-
-def last_json(output: str) -> dict[str, Any] | None:
-    """The last line of an output that is a JSON object."""
-    for line in reversed(output.splitlines()):
-        if line.startswith("{"):
-            try:
-                return dict(json.loads(line))
-            except ValueError:
-                continue
-    return None
 
 
 def lines_to_write(path: Path) -> int:

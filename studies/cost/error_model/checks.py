@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from studies.cost.error_model.cases import FINEST, KINDS, in_cells
-from studies.cost.error_model.samples import Limits, Sample
+from studies.cost.error_model.fit import Limits, Sample
 from studies.planning.error_model import (
     LEVELS,
     Cells,
