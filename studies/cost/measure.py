@@ -89,21 +89,21 @@ def kept_measurement(case: Cell | Batch, folder: Path) -> Measurement | None:
     return read_kept(folder / f"{key}.json", key, Measurement)
 
 
-def measure(case: Cell | Batch, folder: Path) -> Measurement:
-    """A new measurement, kept unless there is one that was disturbed less."""
-    found = measure_cell(case) if isinstance(case, Cell) else measure_batch(case)
+def measure(case: Cell | Batch) -> Measurement:
+    """A new measurement; a failure is one whose status says why."""
+    return measure_cell(case) if isinstance(case, Cell) else measure_batch(case)
+
+
+def keep_quieter(case: Cell | Batch, found: Measurement, folder: Path) -> None:
+    """Keep a measurement unless there is one that was disturbed less."""
     before = kept_measurement(case, folder)
     if before is None or not before.others_s / before.wall_s <= found.others_s / found.wall_s:
         key = key_of(case)
         keep(folder / f"{key}.json", key, found)
-    return found
 
 
 def measure_cell(cell: Cell) -> Measurement:
-    """Measure a cell with all its forms compiled, and of some how much longer it takes without.
-
-    A failure is a measurement whose status says why.
-    """
+    """Measure a cell with all its forms compiled, and of some how much longer it takes without."""
     cache = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
     before = _compiled(cache)
     found = _measure_once(cell, cache)

@@ -21,11 +21,14 @@ from solvers.problem import Problem
 from solvers.state import State
 from studies.engine import Page, Setting, Solved, Study, first
 from studies.models.build import revolve_state, scene_body, scene_meridian, scene_problem
+from studies.report.tables import table_of
 from studies.results import provenance
 from studies.results.rows import row
 from studies.scene.bellows import Scene, load_scene
 
 REPETITIONS: Final = 5
+# A number and its unit, by name.
+Numbers = dict[str, tuple[float, str]]
 
 
 @dataclass(frozen=True)
@@ -42,68 +45,14 @@ class Case:
         return self.scene.name
 
 
-@dataclass(frozen=True)
-class Costs:
-    """Costs of one iteration on one body.
-
-    Attributes
-    ----------
-    unknowns, cells
-        Size.
-    tangent_s, factor_s, solve_s, residual_s, checks_s
-        One tangent assembly, factorisation, solve, residual with load, and look at all quadrature points.
-    iteration_s
-        One whole Newton iteration with a new factor, the stability count taken as one of them: median.
-    """
-
-    unknowns: int
-    cells: int
-    tangent_s: float
-    factor_s: float
-    solve_s: float
-    residual_s: float
-    checks_s: float
-    iteration_s: float
-
-    @property
-    def iteration_over_parts(self) -> float:
-        """Newton iteration over one tangent and one factorisation."""
-        return self.iteration_s / (self.tangent_s + self.factor_s)
-
-    def tangent_us_per_cell(self, ranks: int) -> float:
-        """Microseconds of one core for a cell's share of the tangent; assembly runs on one core of each rank."""
-        return 1e6 * self.tangent_s * ranks / self.cells
-
-
-@dataclass(frozen=True)
-class Starts:
-    """The path to all requested pressures from warm and from cold.
-
-    Attributes
-    ----------
-    warm_s, cold_s
-        Seconds from the axisymmetric states (their own path included) and from the unloaded body.
-    warm_factorisations, cold_factorisations
-        Factorisations of the full body.
-    difference_mm
-        Largest difference of the displacements at the last pressure.
-    """
-
-    warm_s: float
-    cold_s: float
-    warm_factorisations: int
-    cold_factorisations: int
-    difference_mm: float
-
-
 def cases(options: Mapping[str, Any]) -> list[Case]:
     """The 2 mm actuator in hexahedra: about 150,000 unknowns, and half as many for the path."""
     return [Case(load_scene(provenance.ROOT / "scenes" / "heung-t2-ri5.toml"), around=16, around_path=8)]
 
 
-def solve(case: Case, at: Setting) -> tuple[Costs, Starts]:
+def solve(case: Case, at: Setting) -> Numbers:
     """All measurements; every rank calls."""
-    return measure_costs(case.scene, case.around, at.comm), measure_starts(case.scene, case.around_path, at.comm)
+    return {**iteration_costs(case.scene, case.around, at.comm), **start_costs(case.scene, case.around_path, at.comm)}
 
 
 def axisymmetric_states(scene: Scene) -> list[State]:
@@ -124,8 +73,12 @@ def _body(scene: Scene, around: int, comm: MPI.Comm) -> tuple[Problem, list[Stat
     return scene_problem(scene, body if comm.rank == 0 else None, comm), guesses
 
 
-def measure_costs(scene: Scene, around: int, comm: MPI.Comm) -> Costs:
-    """Costs of one iteration at the second requested pressure of a scene."""
+def iteration_costs(scene: Scene, around: int, comm: MPI.Comm) -> Numbers:
+    """What each part of an iteration takes at the second requested pressure of a scene, and a whole one.
+
+    That is, with a new factor each, one tangent assembly, factorisation, solve, residual with load, and look at all
+    quadrature points; the stability count is taken as an iteration. Assembly runs on one core of each rank.
+    """
     problem, guesses = _body(scene, around, comm)
     factor = Factor(problem)
     problem.set_state(guesses[1])
@@ -140,23 +93,25 @@ def measure_costs(scene: Scene, around: int, comm: MPI.Comm) -> Costs:
         solve_equilibrium(problem, factor, settings, pressure_mpa=1.01 * here.load_mpa)
         iterations.append((time.perf_counter() - start, factor.count - counts))
         counts = factor.count
-    spent = {name: seconds - before.get(name, 0.0) for name, seconds in problem.timer.seconds.items()}
-    factorisations = sum(count for _, count in iterations)
     factor.close()
-    return Costs(
-        unknowns=problem.index_map.size_global + problem.extra,
-        cells=problem.domain.cells,
-        tangent_s=spent["tangent"] / factorisations,
-        factor_s=spent["factor"] / factorisations,
-        solve_s=spent["solve"] / factorisations,
-        residual_s=spent["residual"] / factorisations,
-        checks_s=spent["checks"] / factorisations,
-        iteration_s=float(np.median([seconds / count for seconds, count in iterations])),
-    )
+    number = sum(count for _, count in iterations)
+    spent = {name: (seconds - before.get(name, 0.0)) / number for name, seconds in problem.timer.seconds.items()}
+    iteration = float(np.median([seconds / count for seconds, count in iterations]))
+    return {
+        "unknowns": (float(problem.index_map.size_global + problem.extra), "1"),
+        "tangent": (spent["tangent"], "s"),
+        "tangent_per_cell_and_core": (1e6 * spent["tangent"] * comm.size / problem.domain.cells, "us/cell"),
+        "factorisation": (spent["factor"], "s"),
+        "solve": (spent["solve"], "s"),
+        "residual": (spent["residual"], "s"),
+        "checks": (spent["checks"], "s"),
+        "newton_iteration": (iteration, "s"),
+        "newton_iteration_over_tangent_and_factorisation": (iteration / (spent["tangent"] + spent["factor"]), "1"),
+    }
 
 
-def measure_starts(scene: Scene, around: int, comm: MPI.Comm) -> Starts:
-    """The path of the full body from the axisymmetric states and from zero."""
+def start_costs(scene: Scene, around: int, comm: MPI.Comm) -> Numbers:
+    """The path of the full body from the axisymmetric states, their own path included, and from zero."""
     begin = time.perf_counter()
     problem, guesses = _body(scene, around, comm)
     factor = Factor(problem)
@@ -167,32 +122,35 @@ def measure_starts(scene: Scene, around: int, comm: MPI.Comm) -> Starts:
     cold_s, cold_count = time.perf_counter() - begin, factor.count - warm_count
     factor.close()
     last = [path.states[-1].state.displacement_mm for path in (warm, cold)]
-    return Starts(warm_s, cold_s, warm_count, cold_count, float(np.abs(last[0] - last[1]).max()))
+    return {
+        "warm_start": (warm_s, "s"),
+        "cold_start": (cold_s, "s"),
+        "time_ratio_cold_to_warm": (cold_s / warm_s, "1"),
+        "warm_factorisations": (float(warm_count), "1"),
+        "cold_factorisations": (float(cold_count), "1"),
+        "largest_difference": (float(np.abs(last[0] - last[1]).max()), "mm"),
+    }
 
 
-def page(solved: Sequence[Solved[Case, tuple[Costs, Starts]]], at: Setting) -> Page:
+def page(solved: Sequence[Solved[Case, Numbers]], at: Setting) -> Page:
     """What each part took; the rows also in a file of these ranks and threads, to be compared with others."""
     ranks, threads = at.comm.size, provenance.blas_threads()
-    rows = []
-    for name, (costs, starts) in ((done.case.name, done.result) for done in solved):
-        values = {
-            "unknowns": (float(costs.unknowns), "1"),
-            "tangent": (costs.tangent_s, "s"),
-            "factorisation": (costs.factor_s, "s"),
-            "solve": (costs.solve_s, "s"),
-            "newton_iteration": (costs.iteration_s, "s"),
-            "newton_iteration_over_tangent_and_factorisation": (costs.iteration_over_parts, "1"),
-            "warm_start": (starts.warm_s, "s"),
-            "cold_start": (starts.cold_s, "s"),
-            "time_ratio_cold_to_warm": (starts.cold_s / starts.warm_s, "1"),
-            "warm_factorisations": (float(starts.warm_factorisations), "1"),
-            "cold_factorisations": (float(starts.cold_factorisations), "1"),
-        }
-        rows += [
-            row(name, quantity, unit, math.nan, "full3d", value, f"{ranks * threads} cores")
-            for quantity, (value, unit) in values.items()
-        ]
-    content = {"solved": solved, "ranks": ranks, "threads": threads}
+    rows = [
+        row(done.case.name, quantity, unit, math.nan, "full3d", value, f"{ranks * threads} cores")
+        for done in solved
+        for quantity, (value, unit) in done.result.items()
+    ]
+    columns = {
+        "what": lambda r: r.quantity.replace("_", " "),
+        "value": lambda r: f"{r.value:.3g}" if r.value < 1000.0 else f"{r.value:.0f}",
+        "unit": lambda r: r.unit.removeprefix("1"),
+    }
+    content = {
+        "cases": [done.case for done in solved],
+        "ranks": ranks,
+        "threads": threads,
+        "numbers": table_of(rows, columns, (0, 2)),
+    }
     return Page(rows, content, tables={f"rows-{ranks}x{threads}.csv": rows})
 
 

@@ -17,7 +17,7 @@ import click
 
 from studies import launch
 from studies.cost.cases import BATCHES, CELLS, LARGE, Batch, Cell, cell_scene
-from studies.cost.measure import kept_measurement, measure
+from studies.cost.measure import keep_quieter, kept_measurement, measure
 from studies.cost.page import PEER_RATIO, content
 from studies.cost.rows import batch_rows, measured_rows
 from studies.engine import ROWS_FILE, Page, Setting, Solved, Study
@@ -55,7 +55,8 @@ def solve(turn: Turn, at: Setting) -> None:
     wanted = before is None if not turn.again else before is not None and before.disturbed
     if not wanted or time.monotonic() > at.options["minutes"]:
         return
-    found = measure(turn.of, at.out / KEPT)
+    found = measure(turn.of)
+    keep_quieter(turn.of, found, at.out / KEPT)
     cost = f"{found.wall_s:.1f} s, {found.peak_mb:.0f} MB"
     note = f" (disturbed: others took {found.others_s:.1f} CPU s)" if found.disturbed else ""
     click.echo(f"{turn.name}: {cost}, {found.value:.6g} mm, {found.status}{note}")
