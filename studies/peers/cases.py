@@ -131,12 +131,6 @@ def _label(level: Level, options: Mapping[str, Any]) -> str:
     return " ".join([level.name, *(f"{name}={value}" for name, value in options.items())])
 
 
-def cases(options: Mapping[str, Any]) -> list[Attempt]:
-    """Runs of the chosen codes and dimensions."""
-    codes, dimensions = options["code"] or (*PEERS, OURS), options["dimension"] or ("2", "3")
-    return [a for a in attempts(options["levels"]) if a.code in codes and str(a.dimension) in dimensions]
-
-
 def peer_scene() -> Scene:
     """The problem, with meshed rings."""
     return load_scene(SCENE)

@@ -63,11 +63,16 @@ def kept_measurement(attempt: Attempt, out: Path) -> Measurement | None:
     return read_kept(_file(out, key), key, Measurement)
 
 
+def keep_measurement(attempt: Attempt, out: Path, made: Measurement) -> None:
+    """Keep a measurement for `kept_measurement`."""
+    key = key_of(attempt)
+    keep(_file(out, key), key, made)
+
+
 def measure(attempt: Attempt, out: Path, limit_s: float) -> Measurement:
     """A new measurement, kept."""
     made = measure_ours(attempt, limit_s) if attempt.code == OURS else measure_peer(attempt, out / "meshes", limit_s)
-    key = key_of(attempt)
-    keep(_file(out, key), key, made)
+    keep_measurement(attempt, out, made)
     return made
 
 

@@ -6,12 +6,11 @@ compiled forms in dolfinx's cache. A code that is missing is skipped with a line
 
 from __future__ import annotations
 
-import functools
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import click
 from mpi4py import MPI
@@ -20,7 +19,7 @@ from studies import launch
 from studies.engine import Page, Setting, Solved, Study
 from studies.models.runs import run_axisymmetric
 from studies.peers import environment
-from studies.peers.cases import OURS, PEERS, Attempt, attempts, cases, peer_scene
+from studies.peers.cases import OURS, PEERS, Attempt, attempts, peer_scene
 from studies.peers.measure import Measurement, kept_measurement, measure
 from studies.peers.rows import RATIO, comparison_rows
 from studies.progress import Progress
@@ -29,7 +28,22 @@ from studies.results.rows import Row
 from studies.scene.bellows import Scene
 
 REFERENCE_LEVELS: Final = (4, 8)
-_missing = functools.cache(environment.missing)
+
+
+def skipped(options: Mapping[str, Any]) -> dict[str, str]:
+    """Codes that were chosen and are not here, and why."""
+    codes = options["code"] or (*PEERS, OURS)
+    return {code: why for code in codes if (why := environment.missing(code))}
+
+
+def cases(options: Mapping[str, Any]) -> list[Attempt]:
+    """Runs of the chosen codes and dimensions, of those codes that are here."""
+    gone = skipped(options)
+    for code, why in gone.items():
+        click.echo(f"{code}: skipped: {why}")
+    codes, dimensions = options["code"] or (*PEERS, OURS), options["dimension"] or ("2", "3")
+    here = [a for a in attempts(options["levels"]) if a.code in codes and a.code not in gone]
+    return [a for a in here if str(a.dimension) in dimensions]
 
 
 def solve(attempt: Attempt, at: Setting) -> str:
@@ -47,8 +61,6 @@ def solve(attempt: Attempt, at: Setting) -> str:
 
 def reason_not_to(attempt: Attempt, at: Setting) -> str:
     """Why a run is not made; empty if it is."""
-    if why := _missing(attempt.code):
-        return f"{attempt.code}: skipped: {why}"
     if time.monotonic() > at.options["budget"]:
         return f"{attempt.name}: not run, the time is over: go on with the same command"
     coarser = [kept_measurement(other, at.out) for other in attempts() if other.is_coarser(attempt)]
@@ -105,7 +117,10 @@ def page(solved: Sequence[Solved[Attempt, str]], at: Setting) -> Page:
         "reference": f"{reference:.5f} mm ({source}), {spread:.4f} % from the mesh before",
         "measured": measured_table(measured, reference),
         "ratios": ratios_table(rows),
-        "skipped": list(dict.fromkeys(done.result for done in solved if done.result)),
+        "absent": [
+            *(f"{code}: skipped: {why}" for code, why in skipped(at.options).items()),
+            *(done.result for done in solved if done.result),
+        ],
     }
     return Page(rows, content)
 
