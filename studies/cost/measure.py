@@ -57,8 +57,8 @@ class Measurement:
     work_s: float
     cpu_s: float
     peak_mb: float
-    unknowns: int
-    factorisations: int
+    unknowns: float
+    factorisations: float
     compile_s: float
     split_s: dict[str, float] = field(hash=False)
     status: str
@@ -67,12 +67,7 @@ class Measurement:
     @property
     def disturbed(self) -> bool:
         """True unless others are known to have left the machine to it."""
-        return is_disturbed(self.others_s, self.wall_s)
-
-
-def is_disturbed(others_s: float, wall_s: float) -> bool:
-    """True unless others are known to have taken a small share of the wall time only."""
-    return not others_s <= QUIET * wall_s
+        return not self.others_s <= QUIET * self.wall_s
 
 
 def key_of(case: Cell | Batch) -> str:

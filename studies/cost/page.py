@@ -14,7 +14,7 @@ from studies.cost.plots import draw_front, draw_growth
 from studies.cost.points import Point, floor_percent, front, growing, growth_of, off_front, points
 from studies.report.bars import draw_times
 from studies.report.numbers import count, short_time
-from studies.results.rows import REACHED, Row
+from studies.results.rows import Row
 
 PEER_RATIO: Final = "time_ratio_"
 # A setting this much slower than the best as exact still counts as on the front: times repeat to about this.
@@ -34,7 +34,7 @@ def content(rows: Sequence[Row], out: Path) -> Mapping[str, Any]:
         draw_growth(out / "pictures" / "growth.png", grown, laws)
     return {
         "own": own,
-        "disturbed": [p for p in own if p.disturbed],
+        "disturbed": [p for p in own if p.cost.disturbed],
         "defaults": default_sentences(own),
         "laws": laws,
         "grown": grown,
@@ -63,7 +63,7 @@ def _section(name: str, found: Sequence[Point], rows: Sequence[Row], out: Path) 
         draw_front(out / pictures["peers"], of, whole=True)
     else:
         pictures["peers"] = ""
-    timed = [p for p in members if p.split_s]
+    timed = [p for p in members if p.cost.split_s]
     if timed:
         draw_times(out / pictures["times"], [p.name for p in timed], split(timed))
     else:
@@ -77,16 +77,16 @@ def _section(name: str, found: Sequence[Point], rows: Sequence[Row], out: Path) 
         "floor": f"{floor_percent(name):g}",
         "fronts": tables.front_table(members),
         "cells": tables.cells_table(of),
-        "failed": [f"{p.name}: {p.status}" for p in of if p.status != REACHED],
+        "failed": [f"{p.name}: {p.cost.status}" for p in of if not p.reached],
     }
 
 
 def split(of: Sequence[Point]) -> dict[str, list[float]]:
     """Wall seconds by activity of each point; ``start`` is the process's start and imports, ``other`` the rest."""
-    names = [name for name in _SPLIT_ORDER if any(name in p.split_s for p in of)]
-    found = {name: [p.split_s.get(name, 0.0) for p in of] for name in names}
-    found["start, imports"] = [p.wall_s - p.work_s for p in of]
-    found["other"] = [max(0.0, p.work_s - sum(p.split_s.get(name, 0.0) for name in names)) for p in of]
+    names = [name for name in _SPLIT_ORDER if any(name in p.cost.split_s for p in of)]
+    found = {name: [p.cost.split_s.get(name, 0.0) for p in of] for name in names}
+    found["start, imports"] = [p.cost.wall_s - p.cost.work_s for p in of]
+    found["other"] = [max(0.0, p.cost.work_s - sum(p.cost.split_s.get(name, 0.0) for name in names)) for p in of]
     return found
 
 
@@ -98,7 +98,7 @@ def default_sentences(own: Sequence[Point]) -> list[str]:
             continue
         ratio, best = off_front(p, [q for q in own if (q.scene, q.model) == (p.scene, p.model)])
         off = f"off the front by {ratio:.2f} in time: {best.level} is as exact in {short_time(best.time_s)} s"
-        note = " (disturbed measurement)" if p.disturbed or best.disturbed else ""
+        note = " (disturbed measurement)" if p.cost.disturbed or best.cost.disturbed else ""
         lines.append(
             f"study-paper's {p.name} on {p.scene} ({tables.error_text(p)} % in {short_time(p.time_s)} s): "
             f"{'on the front' if ratio <= NOISE else off}{note}"

@@ -50,8 +50,8 @@ def draw_front(path: Path, points: Sequence[Point], whole: bool = False) -> None
         True for the time from start to end of the process, which is all that is known of other programs.
     """
     if whole:
-        points = [replace(p, work_s=math.nan) for p in points]
-    shown = [p for p in points if np.isfinite(p.error_percent) and np.isfinite(p.wall_s)]
+        points = [replace(p, cost=replace(p.cost, work_s=math.nan)) for p in points]
+    shown = [p for p in points if np.isfinite(p.error_percent) and np.isfinite(p.cost.wall_s)]
     models = list(dict.fromkeys(p.model for p in shown))
     peers = [model for model in models if model.startswith("peer_")]
     colours = {model: style_of(model)["color"] for model in models if model not in peers}
@@ -101,11 +101,11 @@ def draw_growth(path: Path, of: Sequence[Point], laws: Growth) -> None:
         Theirs.
     """
     curves = (
-        ("time without start, s", [p.work_s for p in of], laws.time, VERMILION),
+        ("time without start, s", [p.cost.work_s for p in of], laws.time, VERMILION),
         ("time per factorisation, s", [per_factorisation(p) for p in of], laws.iteration, BLUE),
-        ("memory, MB", [p.peak_mb for p in of], laws.memory, GREEN),
+        ("memory, MB", [p.cost.peak_mb for p in of], laws.memory, GREEN),
     )
-    unknowns = [p.unknowns for p in of]
+    unknowns = [p.cost.unknowns for p in of]
     ends = np.array([min(unknowns), max(unknowns)])
     with figure_file(path, 8.6, 3.8) as figure:
         for axes, (label, values, law, colour) in zip(figure.subplots(1, 3), curves, strict=True):

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from studies.cost.cases import ACTUATOR, BODIES
-from studies.cost.measure import is_disturbed
-from studies.cost.rows import COSTS, DEFAULT, OTHERS, SPLIT
+from studies.cost.measure import Measurement
+from studies.cost.rows import COMPILE, COSTS, DEFAULT, OTHERS, SPLIT
 from studies.planning.levels import ranking
 from studies.results.rows import REACHED, Row
 
@@ -33,12 +33,10 @@ class Point:
         Size of the error at the highest requested pressure, percent; NaN if it was not reached.
     credited_percent
         The largest error of this and all finer meshes of the same model and cells: what is smaller is luck.
-    split_s
-        Wall seconds by activity.
     default
         True for the settings of `make study-paper`.
-    others_s
-        CPU seconds that other processes took meanwhile; NaN if not known.
+    cost
+        What was measured; of a peer's run not all of it.
     """
 
     scene: str
@@ -46,16 +44,8 @@ class Point:
     level: str
     error_percent: float
     credited_percent: float
-    wall_s: float
-    work_s: float
-    cpu_s: float
-    peak_mb: float
-    unknowns: float
-    factorisations: float
-    status: str
-    split_s: dict[str, float] = field(hash=False)
     default: bool
-    others_s: float
+    cost: Measurement
 
     @property
     def name(self) -> str:
@@ -92,7 +82,7 @@ class Point:
     @property
     def time_s(self) -> float:
         """Wall seconds without start and imports, which repeat better; of a peer, who does not tell them, with."""
-        return self.wall_s if math.isnan(self.work_s) else self.work_s
+        return self.cost.wall_s if math.isnan(self.cost.work_s) else self.cost.work_s
 
     @property
     def told_apart_percent(self) -> float:
@@ -100,9 +90,9 @@ class Point:
         return max(self.credited_percent, floor_percent(self.scene))
 
     @property
-    def disturbed(self) -> bool:
-        """True unless others are known to have left the machine to it."""
-        return is_disturbed(self.others_s, self.wall_s)
+    def reached(self) -> bool:
+        """True if there is an answer at the highest requested pressure."""
+        return self.cost.status == REACHED
 
     @property
     def is_peer(self) -> bool:
@@ -121,23 +111,18 @@ def points(rows: Iterable[Row]) -> list[Point]:
         numbers = {r.quantity: r.value for r in of}
         if "wall_s" not in numbers:
             continue
-        value = next((r for r in of if r.quantity in VALUES), None)
-        reference = references.get(scene, math.nan)
-        error = math.nan if value is None else 100.0 * abs(value.value - reference) / abs(reference)
-        found.append(
-            Point(
-                scene=scene,
-                model=model,
-                level=level,
-                error_percent=error,
-                credited_percent=error,
-                status=REACHED if value is None else value.status,
-                split_s={r.quantity.removeprefix(SPLIT): r.value for r in of if r.quantity.startswith(SPLIT)},
-                default=DEFAULT in numbers,
-                others_s=numbers.get(OTHERS, math.nan),
-                **{name: numbers.get(name, math.nan) for name in COSTS},
-            )
+        value = next((r for r in of if r.quantity in VALUES), of[0])
+        reference = references.get(scene, math.nan) if value.quantity in VALUES else math.nan
+        error = 100.0 * abs(value.value - reference) / abs(reference)
+        cost = Measurement(
+            value=value.value,
+            pressure_kpa=value.pressure_kpa,
+            **{name: numbers.get(name, math.nan) for name in (*COSTS, COMPILE)},
+            split_s={r.quantity.removeprefix(SPLIT): r.value for r in of if r.quantity.startswith(SPLIT)},
+            status=value.status,
+            others_s=numbers.get(OTHERS, math.nan),
         )
+        found.append(Point(scene, model, level, error, error, DEFAULT in numbers, cost))
     return [replace(p, credited_percent=_credited(p, found)) for p in found]
 
 
@@ -216,21 +201,21 @@ class Growth:
 def growing(found: Sequence[Point]) -> list[Point]:
     """Undisturbed bodies of the actuator on two ranks, the smallest first."""
     of = [p for p in found if p.scene == BODIES[ACTUATOR] and p.model == "full3d" and p.level.endswith("warm 2x1")]
-    return sorted((p for p in of if p.status == REACHED and not p.disturbed), key=lambda p: p.unknowns)
+    return sorted((p for p in of if p.reached and not p.cost.disturbed), key=lambda p: p.cost.unknowns)
 
 
 def per_factorisation(p: Point) -> float:
     """Wall seconds of the body itself, without its axisymmetric start, per factorisation."""
-    return (p.work_s - p.split_s.get("axisymmetric start", 0.0)) / p.factorisations
+    return (p.cost.work_s - p.cost.split_s.get("axisymmetric start", 0.0)) / p.cost.factorisations
 
 
 def growth_of(of: Sequence[Point]) -> Growth | None:
     """Laws of growing bodies; None with fewer than three."""
     if len(of) < 3:
         return None
-    size = [p.unknowns for p in of]
+    size = [p.cost.unknowns for p in of]
     return Growth(
-        time=power_law(size, [p.work_s for p in of]),
+        time=power_law(size, [p.cost.work_s for p in of]),
         iteration=power_law(size, [per_factorisation(p) for p in of]),
-        memory=power_law(size, [p.peak_mb for p in of]),
+        memory=power_law(size, [p.cost.peak_mb for p in of]),
     )

@@ -80,7 +80,7 @@ def cell_rows(cell: Cell, found: Measurement, of: Reference) -> list[Row]:
         source=of.source,
         status=found.status,
     )
-    costs = [(cost, unit, float(getattr(found, cost))) for cost, unit in COSTS.items()]
+    costs = [(cost, unit, getattr(found, cost)) for cost, unit in COSTS.items()]
     costs.append((OTHERS, "s", found.others_s))
     costs += [(SPLIT + activity, "s", seconds) for activity, seconds in found.split_s.items()]
     costs += [(COMPILE, "s", found.compile_s)] if not math.isnan(found.compile_s) else []

@@ -29,7 +29,7 @@ def _seconds(number: float) -> str:
 
 
 def _memory(p: Point) -> str:
-    return MISSING if math.isnan(p.peak_mb) else f"{p.peak_mb:.0f}"
+    return MISSING if math.isnan(p.cost.peak_mb) else f"{p.cost.peak_mb:.0f}"
 
 
 def _size(number: float) -> str:
@@ -41,15 +41,15 @@ def _run(p: Point) -> str:
 
 
 _SIZE: Final[Columns] = {
-    "unknowns": lambda p: _size(p.unknowns),
-    "factorisations": lambda p: _size(p.factorisations),
+    "unknowns": lambda p: _size(p.cost.unknowns),
+    "factorisations": lambda p: _size(p.cost.factorisations),
 }
 _FRONT: Final[Columns] = {
     "model": lambda p: model_label(p.group),
     "member of its front": lambda p: p.name if p.is_peer else p.level,
     "error, %": error_text,
-    "wall, s": lambda p: short_time(p.wall_s),
-    "without start, s": lambda p: _seconds(p.work_s),
+    "wall, s": lambda p: short_time(p.cost.wall_s),
+    "without start, s": lambda p: _seconds(p.cost.work_s),
     "memory, MB": _memory,
     "study-paper": lambda p: "yes" if p.default else "",
 }
@@ -58,34 +58,34 @@ _CELLS: Final[Columns] = {
     "cells, mesh, way, ranks x threads": lambda p: p.level,
     **_SIZE,
     "error, %": error_text,
-    "wall, s": lambda p: short_time(p.wall_s) + ("*" if p.disturbed and not p.is_peer else ""),
-    "without start, s": lambda p: _seconds(p.work_s),
-    "CPU, s": lambda p: _seconds(p.cpu_s),
+    "wall, s": lambda p: short_time(p.cost.wall_s) + ("*" if p.cost.disturbed and not p.is_peer else ""),
+    "without start, s": lambda p: _seconds(p.cost.work_s),
+    "CPU, s": lambda p: _seconds(p.cost.cpu_s),
     "memory, MB": _memory,
 }
 _GROWTH: Final[Columns] = {
     "body": lambda p: p.level,
     **_SIZE,
-    "time without start, s": lambda p: short_time(p.work_s),
+    "time without start, s": lambda p: short_time(p.cost.work_s),
     "per factorisation, s": lambda p: f"{per_factorisation(p):.2f}",
     "memory, MB": _memory,
-    "kB per unknown": lambda p: f"{1000.0 * p.peak_mb / p.unknowns:.1f}",
+    "kB per unknown": lambda p: f"{1000.0 * p.cost.peak_mb / p.cost.unknowns:.1f}",
 }
 _STRATEGIES: Final[Columns] = {
     "body": lambda p: p.scene,
     "run": _run,
     "way": lambda p: p.way,
     "factorisations": _SIZE["factorisations"],
-    "time without start, s": lambda p: short_time(p.work_s),
+    "time without start, s": lambda p: short_time(p.cost.work_s),
     "error, %": error_text,
 }
 _RANKS: Final[Mapping[str, Callable[[tuple[Point, Point]], str]]] = {
     "body": lambda pair: pair[0].scene,
     "run": lambda pair: pair[0].name.removesuffix(" 1x2"),
-    "unknowns": lambda pair: _size(pair[0].unknowns),
-    "1 rank x 2 threads, s": lambda pair: short_time(pair[0].work_s),
-    "2 ranks x 1 thread, s": lambda pair: short_time(pair[1].work_s),
-    "ratio": lambda pair: f"{pair[0].work_s / pair[1].work_s:.2f}",
+    "unknowns": lambda pair: _size(pair[0].cost.unknowns),
+    "1 rank x 2 threads, s": lambda pair: short_time(pair[0].cost.work_s),
+    "2 ranks x 1 thread, s": lambda pair: short_time(pair[1].cost.work_s),
+    "ratio": lambda pair: f"{pair[0].cost.work_s / pair[1].cost.work_s:.2f}",
     "memory 1x2, MB": lambda pair: _memory(pair[0]),
     "memory 2x1, MB": lambda pair: _memory(pair[1]),
 }
@@ -116,7 +116,7 @@ def strategies_table(own: Sequence[Point]) -> Table:
 
 def ranks_table(own: Sequence[Point]) -> Table:
     """One rank with two threads beside two ranks with one, of everything that was measured both ways."""
-    reached = {(p.scene, p.name): p for p in own if p.status == REACHED}
+    reached = {(p.scene, p.name): p for p in own if p.reached}
     others = [(p, reached.get((p.scene, p.name.removesuffix("1x2") + "2x1"))) for p in reached.values()]
     pairs = [(p, other) for p, other in others if p.ranks == "1x2" and other is not None]
     return table_of(pairs, _RANKS, (0, 1))

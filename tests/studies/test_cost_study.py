@@ -31,10 +31,7 @@ def made_up(value: float, work_s: float = 1.0, unknowns: int = 1000) -> Measurem
 
 
 def point(work_s: float, error: float, level: str = "hex r1 auto 1x2", model: str = "axisymmetric") -> Point:
-    nan = math.nan
-    return Point(
-        "peer-bellows", model, level, error, error, work_s + 3.0, work_s, nan, nan, nan, nan, "reached", {}, False, 0.0
-    )
+    return Point("peer-bellows", model, level, error, error, False, made_up(20.0, work_s))
 
 
 def made_up_rows() -> list[Row]:
@@ -75,7 +72,7 @@ def test_points_carry_what_the_rows_say_and_peers_are_held_to_the_same_reference
     ]
     found = {p.name: p for p in points([*made_up_rows(), *theirs])}
     body, peer = found["full3d hex n8 warm 2x1"], found["peer_x tet10-n8r1"]
-    assert body.default and body.unknowns == 50_000 and body.split_s == {"factor": 15.0}
+    assert body.default and body.cost.unknowns == 50_000 and body.cost.split_s == {"factor": 15.0}
     assert peer.is_peer and peer.error_percent == pytest.approx(2.0)
     assert peer.time_s == 50.0 and body.time_s == 30.0
     assert {p.group for p in found.values()} == {"axisymmetric", "full3d", "peers, full 3D"}

@@ -18,7 +18,7 @@ from studies.models.runs import run_axisymmetric
 from studies.planning.error_model import FLOOR_PERCENT, LEVELS, Cells, Fit, Seconds, features
 from studies.progress import Progress
 from studies.results.compare import tip_at
-from studies.results.rows import REACHED, Row
+from studies.results.rows import Row
 
 # Weight that keeps the slopes of features which the training set hardly tells apart small.
 RIDGE: Final = 0.5
@@ -166,12 +166,12 @@ def time_laws(rows: Sequence[Row]) -> dict[tuple[str, str], Seconds]:
     """Seconds over unknowns of each model and element, from the undisturbed usual cells of the cost study."""
     groups: dict[tuple[str, str], list[Point]] = {}
     for p in points(rows):
-        if p.is_peer or p.disturbed or p.scene == "tube" or p.status != REACHED or p.way not in ("auto", "warm"):
+        if p.is_peer or p.cost.disturbed or p.scene == "tube" or not p.reached or p.way not in ("auto", "warm"):
             continue
         groups.setdefault((p.model, p.element), []).append(p)
     found = {}
     for key, of in groups.items():
         if len(of) >= 3:
-            law = power_law([p.unknowns for p in of], [p.work_s for p in of])
+            law = power_law([p.cost.unknowns for p in of], [p.cost.work_s for p in of])
             found[key] = Seconds(float(f"{law.factor:.3g}"), round(law.exponent, 3))
     return found
