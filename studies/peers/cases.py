@@ -50,11 +50,12 @@ class Attempt:
         """By what the runs of a dimension are put in order; ours come first."""
         return self.level.meridian * max(1, self.level.around) if self.level else 0
 
-    def is_coarser(self, other: Attempt) -> bool:
-        """True if it differs from another peer's run in nothing but its coarser mesh."""
-        if self.level is None or other.level is None or self.size >= other.size:
-            return False
-        return (self.code, self.level.cells, self.options) == (other.code, other.level.cells, other.options)
+    @property
+    def family(self) -> str:
+        """What is alike in runs that differ in their mesh only; ours, which choose theirs, in tolerance and ranks."""
+        if self.level is None:
+            return f"{self.code} {self.dimension} {self.options['element']}"
+        return f"{self.code} {self.level.cells} {self.options}"
 
 
 # Meridian and cells round, from coarse to fine, for each kind of cells.

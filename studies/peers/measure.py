@@ -31,16 +31,13 @@ class Measurement:
     ``cpu_s`` is that of all its processes: beside the wall time it shows whether other work was on the cores.
     """
 
-    code: str
-    dimension: int
-    label: str
     tip_mm: float
     unknowns: int
     wall_s: float
     peak_mb: float
     lines: int
     reason: str
-    cpu_s: float = math.nan
+    cpu_s: float
 
     @property
     def timed_out(self) -> bool:
@@ -93,7 +90,7 @@ def measure_peer(attempt: Attempt, meshes: Path, limit_s: float) -> Measurement:
     elif said["reason"]:
         said["reason"] = f"stopped at {1e3 * said['pressure_mpa']:.3g} kPa: {said['reason']}"
         said["tip_mm"] = math.nan
-    return _measurement(attempt, script_of(attempt.code), ended, said)
+    return _measurement(script_of(attempt.code), ended, said)
 
 
 def measure_ours(attempt: Attempt, limit_s: float) -> Measurement:
@@ -110,7 +107,7 @@ def measure_ours(attempt: Attempt, limit_s: float) -> Measurement:
         ended = _run_ours(scene, Path(folder, "warm"), options, limit_s)
         if ended.code == 0:
             ended = _run_ours(scene, out, options, limit_s)
-        return _measurement(attempt, scene, ended, _result(out) if ended.code == 0 else _nothing(ended))
+        return _measurement(scene, ended, _result(out) if ended.code == 0 else _nothing(ended))
 
 
 def _run_ours(scene: Path, out: Path, options: Mapping[str, Any], limit_s: float) -> launch.Ended:
@@ -137,12 +134,9 @@ def _nothing(ended: launch.Ended) -> dict[str, Any]:
     return {"tip_mm": math.nan, "dofs": 0, "peak_mb": math.nan, "reason": why}
 
 
-def _measurement(attempt: Attempt, written: Path, ended: launch.Ended, said: Mapping[str, Any]) -> Measurement:
+def _measurement(written: Path, ended: launch.Ended, said: Mapping[str, Any]) -> Measurement:
     """Of a run that has ended, and what it said of itself."""
     return Measurement(
-        code=attempt.code,
-        dimension=attempt.dimension,
-        label=attempt.label,
         tip_mm=said["tip_mm"],
         unknowns=said["dofs"],
         wall_s=ended.wall_s,

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from studies.peers.cases import OURS
+from studies.peers.cases import OURS, Attempt
 from studies.peers.fronts import Point, floored, lasting, ratio_at_equal_error, ratio_to_fastest
 from studies.peers.measure import Measurement
 from studies.results.rows import REACHED, Row, row
@@ -18,50 +18,43 @@ ALLOWED_PERCENT: Final = 1.0
 REFERENCE_PERCENT: Final = 0.02
 RATIO: Final = "time_ratio_"
 _MODELS: Final = {3: "full3d", 2: "axisymmetric"}
+Runs = Sequence[tuple[Attempt, Measurement]]
 
 
-def comparison_rows(
-    scene: str, pressure_kpa: float, reference_mm: float, source: str, measured: Sequence[Measurement]
-) -> list[Row]:
-    """Rows of all measurements, then the ratios."""
-    rows = [r for m in measured for r in measurement_rows(scene, pressure_kpa, reference_mm, source, m)]
-    reached = [m for m in measured if not math.isnan(m.tip_mm)]
-    errors = [100.0 * abs(m.tip_mm / reference_mm - 1.0) for m in reached]
+def comparison_rows(scene: str, pressure_kpa: float, reference_mm: float, source: str, measured: Runs) -> list[Row]:
+    """Rows of all runs, then the ratios."""
+    rows = []
+    for attempt, m in measured:
+        model = _MODELS[attempt.dimension] if attempt.code == OURS else f"peer_{attempt.code}"
+        numbers = (
+            ("tip_mm", "mm", m.tip_mm, reference_mm, source),
+            ("wall_s", "s", m.wall_s, math.nan, ""),
+            ("cpu_s", "s", m.cpu_s, math.nan, ""),
+            ("peak_mb", "MB", m.peak_mb, math.nan, ""),
+            ("unknowns", "1", float(m.unknowns), math.nan, ""),
+            ("lines_to_write", "1", float(m.lines), math.nan, ""),
+        )
+        rows += [
+            row(
+                scene,
+                quantity,
+                unit,
+                pressure_kpa,
+                model,
+                value,
+                attempt.label,
+                reference=reference,
+                source=where,
+                status=m.reason or REACHED,
+            )
+            for quantity, unit, value, reference, where in numbers
+        ]
+    reached = [(attempt, m) for attempt, m in measured if not math.isnan(m.tip_mm)]
+    errors = [100.0 * abs(m.tip_mm / reference_mm - 1.0) for _, m in reached]
     for dimension in _MODELS:
-        for kind, found in (("", errors), ("_by_lasting_error", _lasting(reached, errors))):
+        for kind, found in (("", errors), ("_by_lasting_error", lasting_errors(reached, errors))):
             rows += _ratio_rows(scene, pressure_kpa, dimension, kind, reached, found)
     return rows
-
-
-def measurement_rows(scene: str, pressure_kpa: float, reference_mm: float, source: str, m: Measurement) -> list[Row]:
-    """Rows of one run."""
-    model = _MODELS[m.dimension] if m.code == OURS else f"peer_{m.code}"
-    status = m.reason or REACHED
-    costs = {
-        "wall_s": ("s", m.wall_s),
-        "cpu_s": ("s", m.cpu_s),
-        "peak_mb": ("MB", m.peak_mb),
-        "unknowns": ("1", float(m.unknowns)),
-        "lines_to_write": ("1", float(m.lines)),
-    }
-    return [
-        row(
-            scene,
-            "tip_mm",
-            "mm",
-            pressure_kpa,
-            model,
-            m.tip_mm,
-            m.label,
-            reference=reference_mm,
-            source=source,
-            status=status,
-        ),
-        *(
-            row(scene, cost, unit, pressure_kpa, model, value, m.label, status=status)
-            for cost, (unit, value) in costs.items()
-        ),
-    ]
 
 
 def _ratio_rows(
@@ -69,14 +62,14 @@ def _ratio_rows(
     pressure_kpa: float,
     dimension: int,
     kind: str,
-    reached: Sequence[Measurement],
+    reached: Runs,
     errors_percent: Sequence[float],
 ) -> list[Row]:
     """Our time over the peers': to the fastest of them, and at equal error."""
     points: dict[str, list[Point]] = {}
-    for m, error in zip(reached, errors_percent, strict=True):
-        if m.dimension == dimension:
-            points.setdefault(m.code, []).append(Point(m.wall_s, error))
+    for (attempt, m), error in zip(reached, errors_percent, strict=True):
+        if attempt.dimension == dimension:
+            points.setdefault(attempt.code, []).append(Point(m.wall_s, error))
     every = {code: floored(of, REFERENCE_PERCENT) for code, of in points.items()}
     mine = every.pop(OURS, [])
     error, equal = ratio_at_equal_error(mine, every)
@@ -91,23 +84,15 @@ def _ratio_rows(
     ]
 
 
-def _lasting(measured: Sequence[Measurement], errors: Sequence[float]) -> list[float]:
+def lasting_errors(measured: Runs, errors: Sequence[float]) -> list[float]:
     """Errors that finer meshes of the same code, cells and settings do not exceed."""
     found = list(errors)
-    for family in {_family(m) for m in measured}:
-        same = [k for k, m in enumerate(measured) if _family(m) == family]
-        same.sort(key=lambda k: measured[k].unknowns)
+    for family in {attempt.family for attempt, _ in measured}:
+        same = [k for k, (attempt, _) in enumerate(measured) if attempt.family == family]
+        same.sort(key=lambda k: measured[k][1].unknowns)
         for k, error in zip(same, lasting([errors[k] for k in same]), strict=True):
             found[k] = error
     return found
-
-
-def _family(m: Measurement) -> tuple[str, int, str]:
-    """What is alike in runs that differ in their mesh only."""
-    if m.code == OURS:
-        return m.code, m.dimension, m.label.partition(",")[0]
-    mesh, _, settings = m.label.partition(" ")
-    return m.code, m.dimension, f"{mesh.partition('-')[0]} {settings}"
 
 
 def _known(ratio: float) -> str:

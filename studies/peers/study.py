@@ -21,7 +21,7 @@ from studies.models.runs import run_axisymmetric
 from studies.peers import environment
 from studies.peers.cases import OURS, PEERS, Attempt, attempts, peer_scene
 from studies.peers.measure import Measurement, kept_measurement, measure
-from studies.peers.rows import RATIO, comparison_rows
+from studies.peers.rows import RATIO, Runs, comparison_rows
 from studies.progress import Progress
 from studies.report.tables import Table, table_of
 from studies.results.rows import Row
@@ -63,8 +63,8 @@ def reason_not_to(attempt: Attempt, at: Setting) -> str:
     """Why a run is not made; empty if it is."""
     if time.monotonic() > at.options["budget"]:
         return f"{attempt.name}: not run, the time is over: go on with the same command"
-    coarser = [kept_measurement(other, at.out) for other in attempts() if other.is_coarser(attempt)]
-    if any(found.timed_out for found in coarser if found is not None):
+    coarser = [a for a in attempts() if a.family == attempt.family and a.size < attempt.size]
+    if any(found.timed_out for a in coarser if (found := kept_measurement(a, at.out)) is not None):
         return f"{attempt.name}: not run, a coarser mesh was stopped at the limit"
     return ""
 
@@ -78,21 +78,21 @@ def reference_tip(scene: Scene, out: Path) -> tuple[float, float]:
     return tips[-1], 100.0 * abs(tips[-1] / tips[-2] - 1.0)
 
 
-def measured_table(measured: Sequence[Measurement], reference_mm: float) -> Table:
+def measured_table(measured: Runs, reference_mm: float) -> Table:
     """All runs, the quickest of each code first."""
-    columns: Mapping[str, Callable[[Measurement], str]] = {
-        "code": lambda m: m.code,
-        "run": lambda m: m.label,
-        "tip, mm": lambda m: f"{m.tip_mm:.4f}",
-        "error, %": lambda m: f"{100.0 * (m.tip_mm / reference_mm - 1.0):.3f}",
-        "wall, s": lambda m: f"{m.wall_s:.1f}",
-        "CPU, s": lambda m: f"{m.cpu_s:.1f}",
-        "memory, MB": lambda m: f"{m.peak_mb:.0f}",
-        "unknowns": lambda m: str(m.unknowns),
-        "lines": lambda m: str(m.lines),
-        "stopped": lambda m: m.reason,
+    columns: Mapping[str, Callable[[tuple[Attempt, Measurement]], str]] = {
+        "code": lambda run: run[0].code,
+        "run": lambda run: run[0].label,
+        "tip, mm": lambda run: f"{run[1].tip_mm:.4f}",
+        "error, %": lambda run: f"{100.0 * (run[1].tip_mm / reference_mm - 1.0):.3f}",
+        "wall, s": lambda run: f"{run[1].wall_s:.1f}",
+        "CPU, s": lambda run: f"{run[1].cpu_s:.1f}",
+        "memory, MB": lambda run: f"{run[1].peak_mb:.0f}",
+        "unknowns": lambda run: str(run[1].unknowns),
+        "lines": lambda run: str(run[1].lines),
+        "stopped": lambda run: run[1].reason,
     }
-    ordered = sorted(measured, key=lambda m: (m.dimension, m.code, m.wall_s))
+    ordered = sorted(measured, key=lambda run: (run[0].dimension, run[0].code, run[1].wall_s))
     return table_of(ordered, columns, (0, 1, len(columns) - 1))
 
 
@@ -110,7 +110,7 @@ def page(solved: Sequence[Solved[Attempt, str]], at: Setting) -> Page:
     """All that has been measured, whatever was chosen now."""
     scene = peer_scene()
     reference, spread = reference_tip(scene, at.out)
-    measured = [found for attempt in attempts() if (found := kept_measurement(attempt, at.out)) is not None]
+    measured = [(a, found) for a in attempts() if (found := kept_measurement(a, at.out)) is not None]
     source = f"axisymmetric r{REFERENCE_LEVELS[-1]}, meshed rings"
     rows = comparison_rows(scene.name, scene.load.pressure_kpa[-1], reference, source, measured)
     content = {

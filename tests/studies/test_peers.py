@@ -146,15 +146,17 @@ def test_an_error_that_a_finer_mesh_exceeds_does_not_last():
     assert lasting([]) == []
 
 
-def test_accidents_of_coarse_meshes_are_told_apart_in_the_ratios():
-    def of(code, label, tip_mm, unknowns, wall_s):
-        return Measurement(code, 3, label, tip_mm, unknowns, wall_s, 100.0, 10, "")
+def made_up(name, tip_mm, unknowns, wall_s, reason=""):
+    (attempt,) = (a for a in attempts() if a.name == name)
+    return attempt, Measurement(tip_mm, unknowns, wall_s, 100.0, 33, reason, 5.0)
 
+
+def test_accidents_of_coarse_meshes_are_told_apart_in_the_ratios():
     measured = [
-        of("felupe", "hex27-n8r1 first=0.1", 100.01, 10, 20.0),
-        of("felupe", "hex27-n12r1 first=0.1", 100.4, 20, 50.0),
-        of("felupe", "hex27-n8r1 first=0.2", 99.0, 10, 15.0),
-        of("ours", "hex, rigid rings, tolerance 1 %, 1 rank", 99.6, 9, 4.0),
+        made_up("felupe hex27-n8r1 formulation=mean first=0.1", 100.01, 10, 20.0),
+        made_up("felupe hex27-n12r1 formulation=mean first=0.1", 100.4, 20, 50.0),
+        made_up("felupe hex27-n8r1 formulation=mixed first=0.2", 99.0, 10, 15.0),
+        made_up("ours hex, rigid rings, tolerance 1 %, 1 rank", 99.6, 9, 4.0),
     ]
     rows = comparison_rows("s", 10.0, 100.0, "reference", measured)
     found = {r.quantity: r for r in rows}
@@ -176,9 +178,9 @@ def test_ratios():
 
 def test_rows_hold_errors_times_and_ratios():
     measured = [
-        Measurement("ours", 3, "hex", 99.5, 1000, 8.0, 500.0, 33, ""),
-        Measurement("calculix", 3, "coarse", 98.0, 900, 160.0, 200.0, 92, ""),
-        Measurement("felupe", 3, "fine", math.nan, 0, 1200.0, math.nan, 110, "stopped after 1200 s"),
+        made_up("ours hex, rigid rings, tolerance 1 %, 1 rank", 99.5, 1000, 8.0),
+        made_up("calculix tet10-n8r1 first=0.25", 98.0, 900, 160.0),
+        made_up("felupe hex27-n12r2 formulation=mean first=0.1", math.nan, 0, 1200.0, "stopped after 1200 s"),
     ]
     rows = comparison_rows("s", 10.0, 100.0, "reference", measured)
     found = {(r.model, r.quantity): r for r in rows}
@@ -256,7 +258,7 @@ def test_study_keeps_skips_and_leaves_out_what_is_finer_than_what_was_stopped(tm
         late = attempt.code == "felupe" and "formulation=mean" in attempt.label
         wall, tip = (limit_s, math.nan) if late else (10.0, 9.0)
         reason = f"stopped after {limit_s:.0f} s" if late else ""
-        found = Measurement(attempt.code, attempt.dimension, attempt.label, tip, 70, wall, 50.0, 33, reason, 5.0)
+        found = Measurement(tip, 70, wall, 50.0, 33, reason, 5.0)
         keep_measurement(attempt, out, found)
         return found
 
