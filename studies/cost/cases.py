@@ -16,7 +16,7 @@ SCENES: Final = provenance.ROOT / "scenes"
 TUBE, BELLOWS, ACTUATOR = "exact/tube", "peers/bellows", "heung-t2-ri5"
 # Scene files below scenes/ without their ending, and what their scenes are called.
 BODIES: Final[Mapping[str, str]] = {TUBE: "tube", BELLOWS: "peer-bellows", ACTUATOR: "heung-t2-ri5"}
-# The actuators are asked for their last pressure only: the study is about what a state costs.
+# Of the actuators only the last pressure is requested: the study is about what a state costs.
 ACTUATOR_KPA: Final = (20.0,)
 # Linear elements without a pressure need a compressible material.
 P1_KAPPA_OVER_MU: Final = 1000.0
@@ -184,7 +184,7 @@ def cell_scene(cell: Cell) -> Scene | ExactScene:
 
 
 def batch_texts() -> list[str]:
-    """The scene files of a batch, asked for their last pressure, without fields."""
+    """The scene files of a batch, only their last pressure requested, without fields."""
     changes = {"load.pressure_kpa": list(ACTUATOR_KPA), "ask.fields": False}
     names = [actuator.name for actuator in actuators(REFERENCE_FAMILY)]
     return [changed_text((SCENES / f"{name}.toml").read_text(encoding="utf-8"), name, changes) for name in names]

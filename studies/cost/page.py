@@ -14,6 +14,7 @@ from studies.cost.plots import draw_front, draw_growth
 from studies.cost.points import Point, floor_percent, front, growing, growth_of, off_front, points
 from studies.report.bars import draw_times
 from studies.report.numbers import count, short_time
+from studies.report.tables import table_of
 from studies.results.rows import Row
 
 PEER_RATIO: Final = "time_ratio_"
@@ -41,7 +42,7 @@ def content(rows: Sequence[Row], out: Path) -> Mapping[str, Any]:
         "batches": tables.batches(rows),
         "ratios": [r for r in rows if r.quantity.startswith(PEER_RATIO) and math.isfinite(r.value)],
         "sections": [_section(name, found, rows, out) for name in bodies],
-        "growth": tables.growth_table(grown),
+        "growth": table_of(grown, tables.GROWTH, (0,)),
         "strategies": tables.strategies_table(own),
         "ranks": tables.ranks_table(own),
         "farming": tables.farming_table(rows),
@@ -75,8 +76,8 @@ def _section(name: str, found: Sequence[Point], rows: Sequence[Row], out: Path) 
         "pictures": pictures,
         "reference": f"{source.reference:.6g} mm ({source.source}, ± {spread:.2g} %)" if source else "",
         "floor": f"{floor_percent(name):g}",
-        "fronts": tables.front_table(members),
-        "cells": tables.cells_table(of),
+        "fronts": table_of(members, tables.FRONT, (0, 1)),
+        "cells": table_of(of, tables.CELLS, (0, 1)),
         "failed": [f"{p.name}: {p.cost.status}" for p in of if not p.reached],
     }
 

@@ -19,7 +19,7 @@ VALUES: Final = ("tip_mm", "bore_mm")
 # Errors below this are not told apart, percent: bellows are known to 1e-4.
 FLOOR_PERCENT: Final[Mapping[str, float]] = {"tube": 1e-6}
 BELLOWS_FLOOR_PERCENT: Final = 0.01
-# What it is asked how many unknowns it holds.
+# Memory whose unknowns are estimated, MB.
 MEMORY_MB: Final = 24_000.0
 
 

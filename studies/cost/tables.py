@@ -44,7 +44,7 @@ _SIZE: Final[Columns] = {
     "unknowns": lambda p: _size(p.cost.unknowns),
     "factorisations": lambda p: _size(p.cost.factorisations),
 }
-_FRONT: Final[Columns] = {
+FRONT: Final[Columns] = {
     "model": lambda p: model_label(p.group),
     "member of its front": lambda p: p.name if p.is_peer else p.level,
     "error, %": error_text,
@@ -53,7 +53,7 @@ _FRONT: Final[Columns] = {
     "memory, MB": _memory,
     "study-paper": lambda p: "yes" if p.default else "",
 }
-_CELLS: Final[Columns] = {
+CELLS: Final[Columns] = {
     "model": lambda p: model_label(p.model),
     "cells, mesh, way, ranks x threads": lambda p: p.level,
     **_SIZE,
@@ -63,7 +63,7 @@ _CELLS: Final[Columns] = {
     "CPU, s": lambda p: _seconds(p.cost.cpu_s),
     "memory, MB": _memory,
 }
-_GROWTH: Final[Columns] = {
+GROWTH: Final[Columns] = {
     "body": lambda p: p.level,
     **_SIZE,
     "time without start, s": lambda p: short_time(p.cost.work_s),
@@ -89,21 +89,6 @@ _RANKS: Final[Mapping[str, Callable[[tuple[Point, Point]], str]]] = {
     "memory 1x2, MB": lambda pair: _memory(pair[0]),
     "memory 2x1, MB": lambda pair: _memory(pair[1]),
 }
-
-
-def front_table(members: Sequence[Point]) -> Table:
-    """The members of each model's front."""
-    return table_of(members, _FRONT, (0, 1))
-
-
-def cells_table(of: Sequence[Point]) -> Table:
-    """All cells of a body; disturbed ones are marked."""
-    return table_of(of, _CELLS, (0, 1))
-
-
-def growth_table(of: Sequence[Point]) -> Table:
-    """Bodies of growing size."""
-    return table_of(of, _GROWTH, (0,))
 
 
 def strategies_table(own: Sequence[Point]) -> Table:
