@@ -27,16 +27,20 @@ from analytical.laws.isotropic import NeoHooke
 from meshes.bodies import block, sphere_meridian, tube_meridian
 from meshes.solid import FACETS, FloatArray, SolidMesh
 from meshes.sweep import revolve_hexahedra
+from solvers.assembly.surfaces import Surfaces
 from solvers.discrete.domain import create_domain
 from solvers.linear.factor import Factor
 from solvers.paths.branch import BranchSettings, follow_branch
-from solvers.paths.path import follow_guesses, follow_path
+from solvers.paths.path import follow_path
 from solvers.paths.records import Crossing, GuessMemory, PathSettings, PathState
-from solvers.problem import Problem, Surfaces
+from solvers.paths.warm_start import follow_guesses
+from solvers.problem import Problem
 from solvers.state import State
-from studies.models.build import revolve_state, scene_body, scene_meridian, scene_problem
+from studies.models.build import revolve_state, scene_problem
 from studies.results import provenance
-from studies.scene.bellows import Scene, load_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_body, scene_meridian
 
 LAW: Final = NeoHooke(0.1)
 SPHERES: Final = TwoSpheres(Sphere(5.0, 6.5), Sphere(15.0, 19.7))
@@ -280,7 +284,7 @@ class _Found(Exception):
 def blocked_bellows(comm: MPI.Comm) -> CaseResult:
     """A short bellows with its tip blocked, in full 3D over all ranks: beyond where it bends out sideways."""
     begin = time.perf_counter()
-    scene = load_scene(SQUIRM_SCENE)
+    scene = load_bellows(SQUIRM_SCENE)
     meridian = comm.bcast(scene_meridian(scene, 1) if comm.rank == 0 else None)
     straight = comm.bcast(_straight(scene, meridian) if comm.rank == 0 else None)
     body = scene_body(meridian, "full3d", SQUIRM_AROUND)
@@ -309,7 +313,7 @@ def blocked_bellows(comm: MPI.Comm) -> CaseResult:
     return CaseResult("blocked-bellows", tuple(points), facts, _unknowns(problem), time.perf_counter() - begin)
 
 
-def _straight(scene: Scene, meridian: SolidMesh) -> list[PathState]:
+def _straight(scene: BellowsScene, meridian: SolidMesh) -> list[PathState]:
     """The axisymmetric path of the blocked bellows, at the requested pressures."""
     problem = scene_problem(scene, meridian, MPI.COMM_SELF)
     path = follow_path(problem, Factor(problem), scene.pressures_mpa, PathSettings())

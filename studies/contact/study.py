@@ -17,9 +17,9 @@ import numpy as np
 from mpi4py import MPI
 
 from studies.contact.exact import exact_rows
+from studies.models.axisymmetric import run_axisymmetric
 from studies.models.contact import CONTACT_FILE, MODELLED, SMOOTHING, STIFFNESS, read_reports
-from studies.models.run_log import CONTACT, Run
-from studies.models.runs import run_axisymmetric
+from studies.models.run_log import CONTACT
 from studies.planning.levels import fineness
 from studies.progress import Progress
 from studies.report.labels import level_label
@@ -30,8 +30,10 @@ from studies.results import provenance
 from studies.results.files import PathRow, read_summary
 from studies.results.measures import find_places, largest_stretches
 from studies.results.rows import REACHED, Row, row, write_rows
+from studies.results.runs import Run
 from studies.results.states import load_state
-from studies.scene.bellows import Contact, Scene, load_scene
+from studies.scene.bellows import BellowsScene, Contact
+from studies.scene.files import load_bellows
 
 SCENES = provenance.ROOT / "scenes"
 STOPPED = 3
@@ -70,13 +72,13 @@ OPEN = (
 
 def solve_case(case: Case, model: Literal["auto", "off"], level: int, folder: Path, progress: Progress) -> Run:
     """The run of a case on a meridian, kept in ``folder``."""
-    scene = load_scene(SCENES / f"{case.file}.toml")
+    scene = load_bellows(SCENES / f"{case.file}.toml")
     load = scene.load.model_copy(update={"pressure_kpa": list(case.pressures_kpa)})
     scene = scene.model_copy(update={"load": load, "contact": Contact(model=model)})
     return run_axisymmetric(scene, level, run_folder(folder, scene, model, level), MPI.COMM_WORLD, progress)
 
 
-def run_folder(folder: Path, scene: Scene, model: str, level: int) -> Path:
+def run_folder(folder: Path, scene: BellowsScene, model: str, level: int) -> Path:
     """Where the run of a scene is kept."""
     return folder / scene.name / f"{model}-r{level}"
 
@@ -91,7 +93,7 @@ def at(run: Run, pressure_kpa: float) -> PathRow | None:
 
 def case_rows(case: Case, folder: Path, progress: Progress) -> list[Row]:
     """Rows of a case: tip, tip force, unstable modes and gap, with contact and (level r1) without."""
-    scene = load_scene(SCENES / f"{case.file}.toml")
+    scene = load_bellows(SCENES / f"{case.file}.toml")
     rows = []
     runs: list[tuple[Literal["auto", "off"], int]] = [("auto", level) for level in case.levels]
     if case in TOUCHING:
@@ -108,7 +110,7 @@ def case_rows(case: Case, folder: Path, progress: Progress) -> list[Row]:
     return rows
 
 
-def _largest_stretch(scene: Scene, run: Run, folder: Path, pressure_kpa: float) -> float:
+def _largest_stretch(scene: BellowsScene, run: Run, folder: Path, pressure_kpa: float) -> float:
     """Largest principal stretch but for half a percent of the nodes, those at the seats' edges; NaN if not there."""
     saved = load_state(folder, run.summary.content_hash, 1e-3 * pressure_kpa)
     if saved is None:
@@ -117,7 +119,9 @@ def _largest_stretch(scene: Scene, run: Run, folder: Path, pressure_kpa: float) 
     return float(np.percentile(largest_stretches(places, saved[0].displacement_mm), 99.5))
 
 
-def _state_rows(scene: Scene, run: Run, pressure: float, model: str, reports: Sequence[dict[str, str]]) -> list[Row]:
+def _state_rows(
+    scene: BellowsScene, run: Run, pressure: float, model: str, reports: Sequence[dict[str, str]]
+) -> list[Row]:
     found, level = at(run, pressure), run.summary.level
     stopped = f"stopped at {run.path[-1].pressure_kpa:.2f} kPa: {run.summary.reason}" if run.path else "stopped"
 
@@ -141,7 +145,7 @@ def _state_rows(scene: Scene, run: Run, pressure: float, model: str, reports: Se
 
 def notes_of(case: Case, folder: Path) -> list[str]:
     """What the runs of a case say of first touch and of their end."""
-    scene = load_scene(SCENES / f"{case.file}.toml")
+    scene = load_bellows(SCENES / f"{case.file}.toml")
     found = []
     for place in sorted((folder / scene.name).glob("*-r*")):
         summary = read_summary(place)
@@ -196,7 +200,7 @@ def write_study(out: Path, progress: Progress) -> tuple[Path, bool]:
     by_case = {case: case_rows(case, out, progress) for case in (*TOUCHING, *OPEN)}
     rows = [*exact, *(r for found in by_case.values() for r in found)]
     write_rows(out / "rows.csv", rows)
-    names = {case: load_scene(SCENES / f"{case.file}.toml") for case in by_case}
+    names = {case: load_bellows(SCENES / f"{case.file}.toml") for case in by_case}
     sections = [
         {
             "name": names[case].name,

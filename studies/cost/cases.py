@@ -8,13 +8,14 @@ from typing import Any, Final, Literal
 
 from analytical.bellows.paper import REFERENCE_FAMILY, actuators
 from studies.results import provenance
-from studies.scene.bellows import Scene
-from studies.scene.bodies import ExactScene, load_any_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.bodies import BodyScene
+from studies.scene.files import load_scene
 from studies.scene.text import changed_text
 
 SCENES: Final = provenance.ROOT / "scenes"
 TUBE, BELLOWS, ACTUATOR = "exact/tube", "peers/bellows", "heung-t2-ri5"
-# Scene files below scenes/ without their ending, and what their scenes are called.
+# BellowsScene files below scenes/ without their ending, and what their scenes are called.
 BODIES: Final[Mapping[str, str]] = {TUBE: "tube", BELLOWS: "peer-bellows", ACTUATOR: "heung-t2-ri5"}
 # Of the actuators only the last pressure is requested: the study is about what a state costs.
 ACTUATOR_KPA: Final = (20.0,)
@@ -159,7 +160,7 @@ def is_default(cell: Cell) -> bool:
     return cell.model == "full3d" and cell.strategy == "warm" and cell.ranks == 2 and cell.level in bodies
 
 
-def cell_scene(cell: Cell) -> Scene | ExactScene:
+def cell_scene(cell: Cell) -> BellowsScene | BodyScene:
     """The scene of a cell: its body's with the cell's element and control, no fields; hexahedra have rigid rings.
 
     Raises
@@ -167,7 +168,7 @@ def cell_scene(cell: Cell) -> Scene | ExactScene:
     SceneError
         If the file is not there or at fault.
     """
-    scene = load_any_scene(SCENES / f"{cell.body}.toml")
+    scene = load_scene(SCENES / f"{cell.body}.toml")
     load: dict[str, Any] = {"control": cell.strategy if cell.strategy in ("pressure", "volume") else "auto"}
     if cell.body == ACTUATOR:
         load["pressure_kpa"] = list(ACTUATOR_KPA)
@@ -176,7 +177,7 @@ def cell_scene(cell: Cell) -> Scene | ExactScene:
         "mesh": scene.mesh.model_copy(update={"element": "auto" if cell.element == "none" else cell.element}),
         "ask": scene.ask.model_copy(update={"fields": False}),
     }
-    if isinstance(scene, Scene) and cell.element == "hex":
+    if isinstance(scene, BellowsScene) and cell.element == "hex":
         parts["rings"] = scene.rings.model_copy(update={"model": "rigid"})
     if cell.element == "tet-p1":
         parts["material"] = scene.material.model_copy(update={"kappa_over_mu": P1_KAPPA_OVER_MU})

@@ -10,11 +10,11 @@ from typing import Final
 from studies.cost.cases import BODIES, TUBE, Batch, Cell, cell_scene, is_default
 from studies.cost.measure import Measurement
 from studies.planning.levels import fineness
-from studies.results.compare import MERIDIAN_ORDER
 from studies.results.exact_answers import exact_bore_mm
 from studies.results.rows import Row, row
+from studies.results.runs import MERIDIAN_ORDER
 from studies.results.uncertainty import convergence
-from studies.scene.bodies import ExactScene
+from studies.scene.bodies import BodyScene
 
 COSTS: Final[Mapping[str, str]] = {
     "wall_s": "s",
@@ -40,7 +40,7 @@ class Reference:
 def reference_of(body: str, measured: Mapping[Cell, Measurement]) -> Reference:
     """The exact answer, or the limit of the three finest meridians of the cells that were refined most."""
     scene = cell_scene(next(cell for cell in measured if cell.body == body))
-    if isinstance(scene, ExactScene):
+    if isinstance(scene, BodyScene):
         value, source = exact_bore_mm(scene, scene.loads_kpa[-1])
         return Reference(value, 0.0, source)
     cells = [c for c in measured if c.body == body and c.model == "axisymmetric" and c.strategy == "auto"]

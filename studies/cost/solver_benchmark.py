@@ -14,17 +14,22 @@ from typing import Any, Final
 import numpy as np
 from mpi4py import MPI
 
+from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.linear.factor import Factor
-from solvers.paths.path import PathSettings, follow_guesses, follow_path
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathSettings
+from solvers.paths.warm_start import follow_guesses
 from solvers.problem import Problem
 from solvers.state import State
 from studies.engine import Page, Setting, Solved, Study, first
-from studies.models.build import revolve_state, scene_body, scene_meridian, scene_problem
+from studies.models.build import revolve_state, scene_problem
 from studies.report.tables import table_of
 from studies.results import provenance
 from studies.results.rows import row
-from studies.scene.bellows import Scene, load_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_body, scene_meridian
 
 REPETITIONS: Final = 5
 # A number and its unit, by name.
@@ -35,7 +40,7 @@ Numbers = dict[str, tuple[float, str]]
 class Case:
     """A scene, cells round the body that is measured, and round the one that is solved to all pressures."""
 
-    scene: Scene
+    scene: BellowsScene
     around: int
     around_path: int
 
@@ -47,7 +52,7 @@ class Case:
 
 def cases(options: Mapping[str, Any]) -> list[Case]:
     """The 2 mm actuator in hexahedra: about 150,000 unknowns, and half as many for the path."""
-    return [Case(load_scene(provenance.ROOT / "scenes" / "heung-t2-ri5.toml"), around=16, around_path=8)]
+    return [Case(load_bellows(provenance.ROOT / "scenes" / "heung-t2-ri5.toml"), around=16, around_path=8)]
 
 
 def solve(case: Case, at: Setting) -> Numbers:
@@ -55,7 +60,7 @@ def solve(case: Case, at: Setting) -> Numbers:
     return {**iteration_costs(case.scene, case.around, at.comm), **start_costs(case.scene, case.around_path, at.comm)}
 
 
-def axisymmetric_states(scene: Scene) -> list[State]:
+def axisymmetric_states(scene: BellowsScene) -> list[State]:
     """States of the axisymmetric path on the coarsest level at the requested pressures; one rank solves."""
     problem = scene_problem(scene, scene_meridian(scene, 1), MPI.COMM_SELF)
     factor = Factor(problem)
@@ -64,7 +69,7 @@ def axisymmetric_states(scene: Scene) -> list[State]:
     return [item.state for item in path.states if item.asked]
 
 
-def _body(scene: Scene, around: int, comm: MPI.Comm) -> tuple[Problem, list[State]]:
+def _body(scene: BellowsScene, around: int, comm: MPI.Comm) -> tuple[Problem, list[State]]:
     """A body, and its states revolved from the axisymmetric ones."""
     meridian = scene_meridian(scene, 1)
     body = scene_body(meridian, "full3d", around)
@@ -73,7 +78,7 @@ def _body(scene: Scene, around: int, comm: MPI.Comm) -> tuple[Problem, list[Stat
     return scene_problem(scene, body if comm.rank == 0 else None, comm), guesses
 
 
-def iteration_costs(scene: Scene, around: int, comm: MPI.Comm) -> Numbers:
+def iteration_costs(scene: BellowsScene, around: int, comm: MPI.Comm) -> Numbers:
     """What each part of an iteration takes at the second requested pressure of a scene, and a whole one.
 
     That is, with a new factor each, one tangent assembly, factorisation, solve, residual with load, and look at all
@@ -82,7 +87,7 @@ def iteration_costs(scene: Scene, around: int, comm: MPI.Comm) -> Numbers:
     problem, guesses = _body(scene, around, comm)
     factor = Factor(problem)
     problem.set_state(guesses[1])
-    solve_equilibrium(problem, factor, NewtonSettings(), pressure_mpa=guesses[1].load_mpa)
+    solve_equilibrium(problem, factor, NewtonSettings(), HeldLoad(guesses[1].load_mpa))
     here = problem.get_state()
     before, counts, iterations = dict(problem.timer.seconds), factor.count, []
     for _ in range(REPETITIONS):
@@ -90,7 +95,7 @@ def iteration_costs(scene: Scene, around: int, comm: MPI.Comm) -> Numbers:
         problem.set_state(here)
         # never a factor twice: so many tangents, factorisations, solves as iterations, and once more for the count
         settings = NewtonSettings(reuse_below=0.0)
-        solve_equilibrium(problem, factor, settings, pressure_mpa=1.01 * here.load_mpa)
+        solve_equilibrium(problem, factor, settings, HeldLoad(1.01 * here.load_mpa))
         iterations.append((time.perf_counter() - start, factor.count - counts))
         counts = factor.count
     factor.close()
@@ -110,7 +115,7 @@ def iteration_costs(scene: Scene, around: int, comm: MPI.Comm) -> Numbers:
     }
 
 
-def start_costs(scene: Scene, around: int, comm: MPI.Comm) -> Numbers:
+def start_costs(scene: BellowsScene, around: int, comm: MPI.Comm) -> Numbers:
     """The path of the full body from the axisymmetric states, their own path included, and from zero."""
     begin = time.perf_counter()
     problem, guesses = _body(scene, around, comm)

@@ -38,9 +38,10 @@ from analytical.bellows.loads import held_tip
 from analytical.bellows.paper import FAMILIES, PRINTED_PRESSURE_KPA, SOURCE, InferredFamily, PaperActuator, actuators
 from studies.closed_form.tables import CHAINS, PRESSURES_KPA
 from studies.dimensions.scenes import buildable, scene_of, standard_fittings
-from studies.models.build import masses_g, scene_meridian
+from studies.models.build import masses_g
 from studies.results.files import write_text_atomically
 from studies.results.rows import Row, row, write_rows
+from studies.scene.meshes import scene_meridian
 
 # Every set that fits is looked for on this grid. One-off trial: half the step finds eight times as many (9290 for
 # 1149); the ranges of what they predict widen by 1 to 3 %, for the shallowest folds more (blocked tip: 45 to 55 N).

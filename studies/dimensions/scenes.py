@@ -15,7 +15,7 @@ from analytical.laws.isotropic import Ogden, Yeoh
 from meshes.bellows import check_shape
 from meshes.errors import GeometryError
 from studies.results.files import write_text_atomically
-from studies.scene.bellows import Scene, shape_of
+from studies.scene.bellows import BellowsScene, shape_of
 
 # Column of the comments in a scene file.
 _COMMENT = 28
@@ -86,9 +86,9 @@ def scene_text(actuator: PaperActuator, label: str) -> str:
     )
 
 
-def scene_of(actuator: PaperActuator) -> Scene:
+def scene_of(actuator: PaperActuator) -> BellowsScene:
     """The scene of an actuator, checked for its keys but not for its shape."""
-    return Scene.model_validate(tomllib.loads(scene_text(actuator, "")))
+    return BellowsScene.model_validate(tomllib.loads(scene_text(actuator, "")))
 
 
 def write_scenes(folder: Path, families: tuple[InferredFamily, ...]) -> tuple[Path, ...]:

@@ -18,10 +18,9 @@ import click
 import numpy as np
 from mpi4py import MPI
 
-from studies.models.build import scene_body, scene_meridian
-from studies.models.run_log import Run
-from studies.models.runs import run_axisymmetric, run_body
-from studies.models.tip_pose import TipPose, tip_pose
+from studies.models.axisymmetric import run_axisymmetric
+from studies.models.full3d import run_full3d
+from studies.models.tip import TipPose, tip_pose
 from studies.planning.levels import BodyLevel
 from studies.progress import Progress
 from studies.report.labels import level_label
@@ -32,8 +31,11 @@ from studies.report.style import BLACK, BLUE, ORANGE, VERMILION, figure_file
 from studies.report.tables import Table, facts_table
 from studies.results import provenance
 from studies.results.rows import REACHED, Row, row, write_rows
+from studies.results.runs import Run
 from studies.results.states import load_state
-from studies.scene.bellows import Scene, core_shift_mm, load_scene
+from studies.scene.bellows import BellowsScene, core_shift_mm
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_body, scene_meridian
 
 TITLE: Final = "An eccentric core: how far the actuator bends and what it does to the elongation"
 SHARES: Final = (0.0, 0.05, 0.10)
@@ -63,7 +65,7 @@ CASES: Final = (
 class Found:
     """A run and where the tip stands in its states, by pressure in kPa."""
 
-    scene: Scene
+    scene: BellowsScene
     share: float
     level: BodyLevel
     folder: Path
@@ -78,9 +80,9 @@ class Found:
         return next(asked, math.nan)
 
 
-def scene_of(case: Case, share: float) -> Scene:
+def scene_of(case: Case, share: float) -> BellowsScene:
     """The scene of a case with a core off the axis by a share of the wall."""
-    base = load_scene(provenance.ROOT / case.file)
+    base = load_bellows(provenance.ROOT / case.file)
     name = f"{Path(case.file).stem.removesuffix('-core-10')}-e{100.0 * share:02.0f}"
     return base.model_copy(
         update={
@@ -99,7 +101,7 @@ def run_case(case: Case, share: float, level: BodyLevel, folder: Path, comm: MPI
     centred = base / f"axisymmetric-r{level.meridian}"
     run_axisymmetric(scene, level.meridian, centred, comm, progress)
     place = base / f"{scene.name}-{level.name}"
-    run = run_body(scene, "full3d", level, centred, place, comm, progress, ())
+    run = run_full3d(scene, "full3d", level, centred, place, comm, progress, ())
     poses = {}
     if comm.rank == 0:
         meridian = scene_meridian(scene, level.meridian)

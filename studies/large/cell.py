@@ -18,11 +18,14 @@ from mpi4py import MPI
 from solvers.errors import SolverError
 from solvers.linear.factor import Factor
 from solvers.linear.krylov import IterativeSolver
-from solvers.paths.path import PathSettings, follow_path
-from studies.models.build import revolve_state, scene_body, scene_meridian, scene_problem
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathSettings
+from studies.models.build import revolve_state, scene_problem
 from studies.results import provenance
 from studies.results.files import write_text_atomically
-from studies.scene.bellows import Scene, load_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_body, scene_meridian
 
 Method = Literal["direct", "iterative"]
 
@@ -76,7 +79,7 @@ class LargeCell:
         return self.setup_cpu_s + self.solve_cpu_s
 
 
-def measure(scene: Scene, around: int, refinement: int, method: Method, comm: MPI.Comm) -> LargeCell:
+def measure(scene: BellowsScene, around: int, refinement: int, method: Method, comm: MPI.Comm) -> LargeCell:
     """Set up and solve for the load's direction at a scene's first pressure, on the revolved axisymmetric state.
 
     Returns
@@ -96,7 +99,7 @@ def measure(scene: Scene, around: int, refinement: int, method: Method, comm: MP
     body = scene_body(meridian, "full3d", around)
     problem = scene_problem(scene, body if comm.rank == 0 else None, comm)
     problem.set_state(revolve_state(flat, meridian, body))
-    load = problem.load_force() * ~problem.constrained_owned
+    load = problem.load.force() * ~problem.constrained_owned
     provenance.reset_peak_memory()
     linear = Factor(problem) if method == "direct" else IterativeSolver(problem)
     # assembled once more than needed, to know its share of the CPU time of the set-up
@@ -138,7 +141,7 @@ def main() -> None:
     """Measure the point that the arguments name."""
     scene, around, refinement, method, file = sys.argv[1:]
     chosen: Method = "iterative" if method == "iterative" else "direct"
-    found = measure(load_scene(Path(scene)), int(around), int(refinement), chosen, MPI.COMM_WORLD)
+    found = measure(load_bellows(Path(scene)), int(around), int(refinement), chosen, MPI.COMM_WORLD)
     if MPI.COMM_WORLD.rank == 0:
         write_text_atomically(Path(file), json.dumps(asdict(found), indent=1) + "\n")
 

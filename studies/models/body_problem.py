@@ -26,15 +26,15 @@ from meshes.solid import FACETS, FloatArray, SolidMesh
 from meshes.surface import surface_weights
 from meshes.sweep import FULL_CIRCLE, revolve_hexahedra
 from meshes.user_mesh import read_user_mesh
+from solvers.assembly.surfaces import SOFT, Surfaces
 from solvers.bodies.rigid import RigidBodies
 from solvers.discrete.domain import create_domain
-from solvers.problem import SOFT, Problem, Surfaces
+from solvers.problem import Problem
 from solvers.state import State
 from studies.models.build import element_of
-from studies.planning.body_plan import cells_of
+from studies.planning.bodies import cells_of
 from studies.planning.levels import fineness
-from studies.scene.bellows import inverse_kappa, law_of
-from studies.scene.bodies import ExactScene
+from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import (
     BlockGeometry,
     CookGeometry,
@@ -45,6 +45,7 @@ from studies.scene.body_geometry import (
     TubeGeometry,
     VentricleGeometry,
 )
+from studies.scene.materials import inverse_kappa, law_of
 
 Held = tuple[tuple[int, int], ...]
 # Cells of a bonded tube are half a wall long; a longer tube is uniform away from its ends.
@@ -84,7 +85,7 @@ class Body:
     twisted: bool = False
 
 
-def body_of(scene: ExactScene, model: str, level: str) -> Body:
+def body_of(scene: BodyScene, model: str, level: str) -> Body:
     """The mesh of a scene on a level, with its supports and its load."""
     g, fine = scene.geometry, fineness(level)
     if isinstance(g, TubeGeometry):
@@ -104,7 +105,7 @@ def body_of(scene: ExactScene, model: str, level: str) -> Body:
     return _user(g)
 
 
-def problem_of(scene: ExactScene, body: Body, comm: MPI.Comm) -> Problem:
+def problem_of(scene: BodyScene, body: Body, comm: MPI.Comm) -> Problem:
     """The boundary value problem; every rank calls with the same body."""
     mesh = body.mesh
     domain = create_domain(
@@ -140,7 +141,7 @@ def problem_of(scene: ExactScene, body: Body, comm: MPI.Comm) -> Problem:
     return Problem(domain, law, inverse_kappa(scene.material), body.surfaces, None, cap, element, frame=body.frame)
 
 
-def measures(scene: ExactScene, mesh: SolidMesh) -> dict[str, Callable[[State], float]]:
+def measures(scene: BodyScene, mesh: SolidMesh) -> dict[str, Callable[[State], float]]:
     """What is read off a state, by quantity, mm."""
     if isinstance(scene.geometry, BlockGeometry | CylinderGeometry):
         return {}  # a cube stays as it is; what is known of a cylinder are forces
@@ -178,7 +179,7 @@ def _largest(state: State) -> float:
     return float(np.linalg.norm(state.displacement_mm, axis=1).max())
 
 
-def enclosed_mm3(scene: ExactScene, load_volume_mm3: float) -> float:
+def enclosed_mm3(scene: BodyScene, load_volume_mm3: float) -> float:
     """Volume inside a body from that on which its load does work; a dead load's is what it is."""
     return -load_volume_mm3 if scene.load_kind == "external" else load_volume_mm3
 

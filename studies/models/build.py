@@ -3,39 +3,32 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import math
 
 import numpy as np
 from mpi4py import MPI
 
 from analytical.laws.silicones import SILICONE_DENSITY_G_CM3
-from meshes.cells import CellKind
-from meshes.eccentric import shift_core
-from meshes.errors import GeometryError
-from meshes.meridian import default_resolution, meridian_mesh
 from meshes.quality import region_volumes_mm3
-from meshes.revolve import revolve, revolve_scalar, revolve_vector
+from meshes.revolve import revolve_scalar, revolve_vector
 from meshes.solid import FACETS, REGIONS, SolidMesh
-from meshes.sweep import FULL_CIRCLE, revolve_hexahedra
+from solvers.assembly.surfaces import SOFT, STIFF, Surfaces
 from solvers.bodies.rigid import RigidBodies
 from solvers.discrete.domain import create_domain
 from solvers.discrete.elements import P1_P0, P2_P0, Element
-from solvers.problem import SOFT, STIFF, Problem, Surfaces
+from solvers.problem import Problem
 from solvers.state import State, pressure_at_corners
 from studies.scene.bellows import (
     RIGID_BOND_MPA_PER_MM,
-    Mesh,
-    Scene,
+    BellowsScene,
     bond_grade,
     bond_stiffness,
-    in_hexahedra,
-    inverse_kappa,
-    law_of,
     ring_material,
-    ring_shape,
     shape_of,
 )
+from studies.scene.elements import Mesh
+from studies.scene.materials import inverse_kappa, law_of
+from studies.scene.meshes import SECTORS
 
 
 def element_of(mesh: Mesh) -> Element | None:
@@ -43,41 +36,7 @@ def element_of(mesh: Mesh) -> Element | None:
     return {"tet-p0": P2_P0, "tet-p1": P1_P0}.get(mesh.element)
 
 
-def scene_meridian(scene: Scene, refinement: int) -> SolidMesh:
-    """The meridian mesh of a scene at a refinement."""
-    shape = shape_of(scene)
-    ring = ring_shape(scene) if scene.rings.model == "meshed" else None
-    cells: CellKind = "quadrilaterals" if in_hexahedra(scene) else "triangles"
-    return meridian_mesh(shape, default_resolution(shape, refinement, cells), ring, cells)
-
-
-# Sectors of one: the quarter, whose faces are the planes x = 0 and y = 0, held by components.
-SECTORS = {"full3d": 1, "sector": 4}
-
-
-def scene_body(meridian: SolidMesh, model: str, around: int, core_shift_mm: float = 0.0) -> SolidMesh:
-    """The body, or the sector of it, made from a meridian; ``around`` counts the cells in the whole circle.
-
-    Raises
-    ------
-    GeometryError
-        If the cells do not share out to the sector, or the core is shifted in one.
-    """
-    parts = SECTORS[model]
-    if core_shift_mm:
-        if parts > 1:
-            raise GeometryError("a sector of a body whose core is off the axis: take full3d")
-        return shift_core(scene_body(meridian, model, around), meridian, core_shift_mm)
-    if meridian.cell.name == "quadrilateral":
-        if around % parts:
-            raise GeometryError(f"cells round the circumference = {around}: must be a multiple of {parts} in a sector")
-        return revolve_hexahedra(meridian, around // parts, FULL_CIRCLE / parts)
-    if parts > 1:
-        raise GeometryError('a sector is meshed in hexahedra: set mesh.element = "hex" or "auto", and rigid rings')
-    return revolve(meridian, around)
-
-
-def scene_problem(scene: Scene, mesh: SolidMesh | None, comm: MPI.Comm) -> Problem:
+def scene_problem(scene: BellowsScene, mesh: SolidMesh | None, comm: MPI.Comm) -> Problem:
     """The boundary value problem of a scene on a mesh that rank 0 holds; every rank calls."""
     material_numbers = None
     if mesh is not None:
@@ -127,7 +86,7 @@ def scene_problem(scene: Scene, mesh: SolidMesh | None, comm: MPI.Comm) -> Probl
     return Problem(domain, law, inverse_kappa(scene.material), surfaces, stiff, bodies, element_of(scene.mesh))
 
 
-def _ring_count(scene: Scene) -> int:
+def _ring_count(scene: BellowsScene) -> int:
     """Number of rigid rings."""
     return scene.geometry.convolutions + 1 if scene.rings.model == "rigid" else 0
 
@@ -176,38 +135,7 @@ def revolve_state(state: State, meridian: SolidMesh, body: SolidMesh) -> State:
     return State(revolve_vector(state.displacement_mm, body), pressure, motions, state.load_mpa)
 
 
-class Tip:
-    """Mean axial displacement of the distal rim, weighted by its undeformed area, or the motion of a rigid plate."""
-
-    def __init__(self, scene: Scene, mesh: SolidMesh) -> None:
-        self._plate = scene.geometry.tip == "rigid"
-        facets = mesh.facets[mesh.facet_tags == FACETS["tip"]]
-        ends = mesh.points[facets]
-        if mesh.dimension == 2:
-            # area of the cone between two radii
-            weight = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1) * (ends[:, 0, 0] + ends[:, 1, 0])
-        else:
-            # The triangles of any three corners; of a quadrilateral's, each of the two diagonals' pairs fills it once.
-            weight = np.zeros(len(ends))
-            for a, b, c in itertools.combinations(range(ends.shape[1]), 3):
-                weight += np.linalg.norm(np.cross(ends[:, b] - ends[:, a], ends[:, c] - ends[:, a]), axis=1)
-        self._facets, self._weight = facets, weight / weight.sum()
-        self._centre = mesh.tip_centre_node
-
-    def mean_mm(self, state: State) -> float:
-        """Mean over the rim."""
-        if self._plate:
-            return float(state.bodies_mm[-1, 2 if state.bodies_mm.shape[1] == 6 else 0])
-        return float(self._weight @ state.displacement_mm[self._facets, -1].mean(axis=1))
-
-    def centre_mm(self, state: State) -> float:
-        """At the axis."""
-        if self._plate:
-            return self.mean_mm(state)
-        return float(state.displacement_mm[self._centre, -1])
-
-
-def masses_g(scene: Scene, meridian: SolidMesh) -> tuple[float, float]:
+def masses_g(scene: BellowsScene, meridian: SolidMesh) -> tuple[float, float]:
     """Mass of silicone and rings, g; rings that are not meshed count with their section."""
     volumes = region_volumes_mm3(meridian)
     silicone = (volumes["elastomer"] + volumes["cap"]) * 1e-3 * SILICONE_DENSITY_G_CM3

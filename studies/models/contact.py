@@ -25,7 +25,8 @@ from solvers.problem import Problem
 from solvers.state import State
 from studies.models.gaps import GapMeter, Touch
 from studies.results.files import PathRow, write_text_atomically
-from studies.scene.bellows import Scene, law_of, shape_of
+from studies.scene.bellows import BellowsScene, shape_of
+from studies.scene.materials import law_of
 
 CONTACT_FILE = "contact.csv"
 # Begins the note on where contact was switched on.
@@ -45,19 +46,19 @@ SEAT_EDGE_MM = 0.05
 FADE_MM = 0.5
 
 
-def contact_settings(scene: Scene, stiffness: float = STIFFNESS) -> ContactSettings:
+def contact_settings(scene: BellowsScene, stiffness: float = STIFFNESS) -> ContactSettings:
     """The penalty of a scene; ``stiffness`` in initial shear moduli per wall."""
     wall = scene.geometry.wall_mm
     modulus = law_of(scene.material).initial_shear_modulus_mpa
     return ContactSettings(stiffness * modulus / wall, SMOOTHING * wall, DEPTH * wall, REACH * wall, LIMIT * wall)
 
 
-def may_touch(scene: Scene, row: PathRow) -> bool:
+def may_touch(scene: BellowsScene, row: PathRow) -> bool:
     """True if surfaces of a state are so near that contact may press, or if its gap is not known."""
     return not row.min_gap_mm > LIMIT * scene.geometry.wall_mm
 
 
-def scene_contact(scene: Scene, mesh: SolidMesh, problem: Problem, stiffness: float = STIFFNESS) -> Contact:
+def scene_contact(scene: BellowsScene, mesh: SolidMesh, problem: Problem, stiffness: float = STIFFNESS) -> Contact:
     """Contact of a scene's meridian: folds inside and outside, wall and rings, rings.
 
     Raises
@@ -74,10 +75,12 @@ def scene_contact(scene: Scene, mesh: SolidMesh, problem: Problem, stiffness: fl
     pairs: list[Against | Facing | Stop] = [Facing("folds inside", 0, 0), Facing("folds outside", 1, 1)]
     if scene.rings.model == "rigid":
         pairs += _ring_pairs(scene, gauss_points(mesh.points, lines[1].nodes))
-    return Contact(problem, mesh.points, lines, pairs, contact_settings(scene, stiffness), boundary_edges(mesh))
+    return Contact(
+        problem.unknowns, mesh.points, lines, pairs, contact_settings(scene, stiffness), boundary_edges(mesh)
+    )
 
 
-def _ring_pairs(scene: Scene, at: FloatArray) -> list[Against | Facing | Stop]:
+def _ring_pairs(scene: BellowsScene, at: FloatArray) -> list[Against | Facing | Stop]:
     """The outside against every ring, and neighbouring rings; ``at`` are the outside's Gauss points."""
     shape, rings = shape_of(scene), scene.rings
     low, high = shape.seat_radius_mm, shape.seat_radius_mm + rings.height_mm
@@ -103,7 +106,7 @@ class ContactWatch:
         Where ``contact.csv`` is written.
     """
 
-    def __init__(self, scene: Scene, mesh: SolidMesh, problem: Problem, folder: Path) -> None:
+    def __init__(self, scene: BellowsScene, mesh: SolidMesh, problem: Problem, folder: Path) -> None:
         self._scene, self._mesh, self._problem, self._folder = scene, mesh, problem, folder
         self._meter = GapMeter(scene, mesh)
         self._contact: Contact | None = None

@@ -26,15 +26,16 @@ from analytical.bellows.chains import closed_form
 from analytical.bellows.dimensions import BellowsError
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
-from studies.models.run_log import Run, finished_run
 from studies.models.session import run_plan
-from studies.planning.plan import make_plan
+from studies.planning.planner import make_plan
 from studies.progress import Progress
 from studies.results import provenance
-from studies.results.compare import main_quantity, scene_rows
+from studies.results.bellows_rows import bellows_rows
 from studies.results.files import write_text_atomically
 from studies.results.rows import REACHED, Row, difference_percent
-from studies.scene.bellows import Scene, dimensions_of, law_of
+from studies.results.runs import Run, finished_run
+from studies.scene.bellows import BellowsScene, dimensions_of
+from studies.scene.materials import law_of
 from studies.scene.sections import SceneError
 from studies.scene.sweep import Variant, read_sweep
 
@@ -248,7 +249,7 @@ def _answer(variant: Variant, folder: Path) -> _Answer:
         )
     except (GeometryError, MeshError, SolverError, BellowsError) as error:
         reason = FAILED + " ".join(str(error).split())
-        return _Answer(_rows(variant, scene, scene_rows(scene, ()), None, reason), 0.0)
+        return _Answer(_rows(variant, scene, bellows_rows(scene, ()), None, reason), 0.0)
     # As the files have them, so that the table is the same to the last digit when nothing is left to solve.
     kept = [
         finished_run(folder / variant.name / f"axisymmetric-{run.summary.level}", run.summary.content_hash)
@@ -256,7 +257,7 @@ def _answer(variant: Variant, folder: Path) -> _Answer:
     ]
     runs = [run for run in kept if run is not None]
     seconds = sum(run.summary.time_s["total"] for run in runs)
-    return _Answer(_rows(variant, scene, scene_rows(scene, runs), runs[-1]), seconds)
+    return _Answer(_rows(variant, scene, bellows_rows(scene, runs), runs[-1]), seconds)
 
 
 # --- the table ------------------------------------------------------------------------------
@@ -267,10 +268,10 @@ def _refused_rows(variant: Variant) -> tuple[SweepRow, ...]:
 
 
 def _rows(
-    variant: Variant, scene: Scene, rows: Sequence[Row], answer: Run | None, status: str = ""
+    variant: Variant, scene: BellowsScene, rows: Sequence[Row], answer: Run | None, status: str = ""
 ) -> tuple[SweepRow, ...]:
     """A scene's rows of the table, a row per requested pressure, from its comparison rows."""
-    quantity = main_quantity(scene)
+    quantity = scene.main_quantity
     level = "" if answer is None else answer.summary.level
     found = []
     for pressure in scene.load.pressure_kpa:
@@ -302,7 +303,7 @@ def _rows(
     return tuple(found)
 
 
-def _unfolding_kpa(scene: Scene) -> float:
+def _unfolding_kpa(scene: BellowsScene) -> float:
     try:
         path = closed_form(dimensions_of(scene), law_of(scene.material), scene.load.pressure_kpa)
     except BellowsError:

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
+from solvers.equilibrium.forces import end_force
 from solvers.errors import SolverError, StepFailed
 from solvers.files import write_atomically
 from solvers.linear.factor import Factor
@@ -28,12 +29,14 @@ from solvers.problem import Problem
 from solvers.stability.harmonics import Shape
 from solvers.stability.modes import WAVES, ModeCounter, ModeCrossing, mode_crossings
 from solvers.state import State
-from studies.models.build import Tip, scene_meridian, scene_problem
+from studies.models.build import scene_problem
 from studies.models.contact import MODELLED, may_touch
-from studies.models.run_log import Run
+from studies.models.tip import Tip
 from studies.results.files import PathRow, write_path, write_summary, write_text_atomically
+from studies.results.runs import Run
 from studies.results.states import load_state
-from studies.scene.bellows import Scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.meshes import scene_meridian
 
 MODES_FILE = "modes.json"
 # Meridian refinements that are counted: crossings on r1 and r2 differ by 0.3 % at most, and a state on r4 takes four
@@ -95,7 +98,7 @@ def read_shape(folder: Path, waves: int) -> tuple[State, Shape]:
         return state, Shape(waves, data["amplitude_mm"], data["mode_bodies_mm"])
 
 
-def with_modes(scene: Scene, refinement: int, folder: Path, run: Run) -> Run:
+def with_modes(scene: BellowsScene, refinement: int, folder: Path, run: Run) -> Run:
     """An actuator's axisymmetric run with its counts; they are made if they are not there.
 
     Parameters
@@ -252,7 +255,7 @@ def _found(crossing: ModeCrossing, problem: Problem, tip_mm: Callable[[State], f
         before=crossing.before,
         after=crossing.after,
         tip_mm=math.nan if tip_mm is None else tip_mm(crossing.state),
-        tip_force_n=math.nan if tip_mm is None else problem.end_force(),
+        tip_force_n=math.nan if tip_mm is None else end_force(problem),
     )
 
 

@@ -8,9 +8,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from studies.models.contact import MODELLED
-from studies.models.run_log import CONTACT, Run
+from studies.models.run_log import CONTACT
 from studies.results.files import PathRow
 from studies.results.rows import Row, row
+from studies.results.runs import Run
 
 # Name and unit of what a state has, in the order of its rows.
 STATE_QUANTITIES: Mapping[str, str] = {

@@ -59,7 +59,7 @@ def _summary(results: Sequence[SceneModes], bodies: Sequence[Row], rings: Sequen
     lines = []
     stable = [r for r in results if r.reached and not any(any(counts_of(p)) for run in r.runs for p in run.path)]
     if stable:
-        names = ", ".join(f"{r.model.scene.name} (to {r.model.loads_kpa[-1]:g} kPa)" for r in stable)
+        names = ", ".join(f"{r.model.scene.name} (to {r.model.scene.loads_kpa[-1]:g} kPa)" for r in stable)
         lines.append(f"Stable in m = 0…6 at every requested pressure, on both meridians: {names}.")
     for result in results:
         for found in result.crossings[-1][:1]:

@@ -13,19 +13,19 @@ from mpi4py import MPI
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
 from solvers.stability.modes import WAVES
-from studies.models.body_session import CORNER_ORDER
 from studies.models.modes import COUNTED_LEVELS, FoundCrossing, counts_of, read_crossings
 from studies.models.modes_model import ModesModel
-from studies.models.run_log import Run
 from studies.modes.full3d import confirm_rows
 from studies.modes.pictures import draw_mode
 from studies.modes.ring import ring_rows
 from studies.progress import Progress
 from studies.results import provenance
-from studies.results.compare import MERIDIAN_ORDER
+from studies.results.body_rows import CORNER_ORDER
 from studies.results.rows import Row, is_reached, row, write_rows
+from studies.results.runs import MERIDIAN_ORDER, Run
 from studies.results.uncertainty import UNKNOWN, Convergence, from_two
-from studies.scene.bodies import ExactScene, load_any_scene
+from studies.scene.bodies import BodyScene
+from studies.scene.files import load_scene
 
 ROWS_FILE, TABLE_FILE = "rows.csv", "crossings.csv"
 _SCENES = provenance.ROOT / "scenes"
@@ -81,7 +81,7 @@ def load_model(path: Path) -> ModesModel:
     SceneError
         With what is wrong; nothing has been solved or written.
     """
-    model = ModesModel(load_any_scene(path))
+    model = ModesModel(load_scene(path))
     model.check()
     return model
 
@@ -121,7 +121,7 @@ def scene_modes(model: ModesModel, text: str, out: Path, confirm: bool, progress
 def _count_rows(model: ModesModel, runs: Sequence[Run]) -> list[Row]:
     """Unstable modes of each harmonic at each requested pressure."""
     rows = []
-    for pressure in model.loads_kpa:
+    for pressure in model.scene.loads_kpa:
         for run in runs:
             here = [
                 r for r in run.path if r.status == "requested" and math.isclose(r.pressure_kpa, pressure, rel_tol=1e-9)
@@ -142,7 +142,7 @@ def _crossing_rows(model: ModesModel, runs: Sequence[Run], crossings: Sequence[S
     """Where each harmonic is lost, and the volume, elongation and force there; or that none is."""
     rows = []
     waves = sorted({c.waves for found in crossings for c in found})
-    order = CORNER_ORDER if isinstance(model.scene, ExactScene) else MERIDIAN_ORDER
+    order = CORNER_ORDER if isinstance(model.scene, BodyScene) else MERIDIAN_ORDER
     for m in waves:
         of_m = [next((c for c in found if c.waves == m), None) for found in crossings]
         for name, unit in (("kpa", "kPa"), ("volume_ratio", "1"), ("tip_mm", "mm"), ("tip_force_n", "N")):

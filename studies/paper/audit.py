@@ -10,7 +10,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from studies.models.run_log import Run
 from studies.paper.cases import REFERENCE_SCENES
 from studies.paper.numbers import HIGHEST_KPA, PRESSURES_KPA, is_known, named, tip
 from studies.paper.results import CaseResult, PaperResults, find
@@ -18,8 +17,9 @@ from studies.planning.levels import fineness, ranking
 from studies.report.labels import level_label, run_label
 from studies.report.numbers import MISSING, rounded_up, up
 from studies.report.tables import Table
-from studies.results.compare import main_quantity, scene_rows, tip_at
+from studies.results.bellows_rows import bellows_rows
 from studies.results.rows import Row, difference_percent
+from studies.results.runs import Run, tip_at
 
 UNCERTAINTY_PERCENT, GAP_PERCENT, INSIDE_PERCENT = 1.0, 0.5, 95.0
 
@@ -82,7 +82,7 @@ def _meridian_checks(case: CaseResult, audit: CaseResult | None) -> list[Check]:
     found = []
     for count, finer in enumerate([*runs, *more][2:], start=2):
         if count <= len(runs):
-            found += _checks(case, scene_rows(case.result.scene, runs[:count]), runs[count - 1], finer)
+            found += _checks(case, bellows_rows(case.result.scene, runs[:count]), runs[count - 1], finer)
     return found
 
 
@@ -92,14 +92,14 @@ def _body_checks(case: CaseResult, audit: CaseResult | None) -> list[Check]:
     runs = sorted([*result.full3d, *(audit.result.full3d if audit else ())], key=lambda r: ranking(r.summary.level))
     for count, run in enumerate(result.full3d, start=1):
         if run is not runs[-1]:
-            rows = scene_rows(result.scene, result.axisymmetric, result.sector, result.full3d[:count])
+            rows = bellows_rows(result.scene, [*result.axisymmetric, *result.sector, *result.full3d[:count]])
             found += _checks(case, rows, run, runs[-1])
     return found
 
 
 def _checks(case: CaseResult, rows: Sequence[Row], run: Run, finer: Run) -> list[Check]:
     """Bands in rows of one run against another run at every requested pressure that both reached."""
-    quantity, model, level = main_quantity(case.result.scene), run.summary.model, run.summary.level
+    quantity, model, level = case.result.scene.main_quantity, run.summary.model, run.summary.level
     found = []
     for pressure in case.result.scene.load.pressure_kpa:
         row, fine = find(rows, quantity, model, pressure, level), tip_at(finer, pressure, quantity)

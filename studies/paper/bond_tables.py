@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from studies.models.run_log import Run
 from studies.paper.numbers import (
     HIGHEST_KPA,
     asked_state,
@@ -19,6 +18,7 @@ from studies.report.labels import TIP, level_label
 from studies.report.numbers import MISSING, rounded_up, signed
 from studies.report.tables import Table
 from studies.results.rows import difference_percent
+from studies.results.runs import Run
 
 RIGID: Final = "bond-rigid"
 # DESIGN, section 4: what a softer bond may change in the tip's elongation, and on how many meshes of the rigid one.

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from analytical.bellows.paper import ALTERNATE_FAMILIES, REFERENCE_FAMILY, actuators
-from studies.planning.levels import BodyLevel
-from studies.planning.plan import MERIDIAN_LEVELS
+from studies.planning.levels import MERIDIANS, BodyLevel
 from studies.scene.text import changed_text
 
 Group = Literal["core", "tets", "alternates", "beyond", "convention", "silicone", "blocked", "rings", "bond", "audit"]
@@ -56,7 +55,7 @@ class Case:
     base: str
     label: str
     changes: Mapping[str, Any] = field(default_factory=dict, hash=False)
-    levels: tuple[int, ...] = MERIDIAN_LEVELS
+    levels: tuple[int, ...] = MERIDIANS
     full3d: bool = False
 
     @property

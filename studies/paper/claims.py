@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 from analytical.bellows.paper import PRINTED, PaperActuator
-from studies.models.run_log import Run
 from studies.paper.cases import REFERENCE_SCENES, THICK, THIN
 from studies.paper.numbers import (
     HIGHEST_KPA,
@@ -32,6 +31,7 @@ from studies.paper.verdicts import FAILS, HOLDS, UNDECIDED, Verdict, above, all_
 from studies.report.labels import TIP, level_label
 from studies.report.numbers import value_text
 from studies.results.rows import Row
+from studies.results.runs import Run
 
 # Ours: two secants of a curve that differ by less than this still look like one straight line.
 STRAIGHT_PERCENT: Final = 10.0

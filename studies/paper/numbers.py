@@ -8,12 +8,12 @@ from collections.abc import Sequence
 from typing import Final
 
 from analytical.bellows.paper import FAMILIES, PRINTED_PRESSURE_KPA, InferredFamily, PaperActuator, actuators
-from studies.models.run_log import Run
 from studies.paper.results import CaseResult, PaperResults, find
 from studies.report.labels import TIP
 from studies.report.numbers import MISSING, signed, up
 from studies.results.files import PathRow
 from studies.results.rows import FOLDED_BACK, REACHED, Row, difference_percent
+from studies.results.runs import Run
 
 PRESSURES_KPA: Final = (5.0, 10.0, 15.0, 20.0)
 HIGHEST_KPA: Final = PRINTED_PRESSURE_KPA

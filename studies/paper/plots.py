@@ -19,7 +19,6 @@ from matplotlib.ticker import FuncFormatter
 
 from analytical.bellows.paper import ALTERNATE_FAMILIES, PRINTED_PRESSURE_KPA, REFERENCE_FAMILY, actuators
 from studies.closed_form.tables import SILICONES, STRETCH_AT_BREAK
-from studies.models.run_log import Run
 from studies.paper.cases import REFERENCE_SCENES, RING_VARIANTS, THICK
 from studies.paper.results import CaseResult, PaperResults
 from studies.report.curves import Curve, draw_curves, mark_stop, set_pressure_axis
@@ -27,7 +26,8 @@ from studies.report.labels import TIP, TIP_FORCE, model_label
 from studies.report.style import BLACK, BLUE, DPI, GREEN, ORANGE, SKY, VERMILION, figure_file, style_of
 from studies.results.files import PathRow
 from studies.results.rows import FOLDED_BACK, Row
-from studies.scene.bellows import Scene
+from studies.results.runs import Run
+from studies.scene.bellows import BellowsScene
 
 _WIDTH_IN: Final = 8.2
 # Lines and markers in a panel of several, relative to a plot of its own.
@@ -358,7 +358,7 @@ def _draw_bands(cases: Mapping[Axes, CaseResult]) -> list[Any]:
     return entry
 
 
-def _draw_breaks(axes: Axes, scenes: Sequence[Scene]) -> None:
+def _draw_breaks(axes: Axes, scenes: Sequence[BellowsScene]) -> None:
     """Draw the stretches at which the silicones break, and whose they are."""
     for silicone, stretch in STRETCH_AT_BREAK.items():
         axes.axhline(stretch, color=BLACK, linewidth=1.2, linestyle="--", zorder=2.0)
@@ -561,11 +561,11 @@ def _ending(run: Run) -> str:
     return f"stops at {last:.1f} kPa ({run.summary.cause or 'no cause given'}{where})"
 
 
-def _name(scene: Scene) -> str:
+def _name(scene: BellowsScene) -> str:
     return f"t = {scene.geometry.wall_mm:g} mm, $R_i$ = {scene.geometry.root_radius_mm:g} mm"
 
 
-def _silicone(scene: Scene) -> str:
+def _silicone(scene: BellowsScene) -> str:
     """The paper's silicone that a scene's law stands for."""
     return SILICONES["dragon-skin-10" if scene.material.law == "yeoh" else "dragon-skin-30"]
 
@@ -576,7 +576,7 @@ def _seconds(value: float, _: int) -> str:
     return "" if text[0] in "79" else text
 
 
-def _sizes(scene: Scene) -> str:
+def _sizes(scene: BellowsScene) -> str:
     g = scene.geometry
     shape = f"$R_i$ {g.root_radius_mm:g}, $R_p$ {g.crest_radius_mm:g}, $e$ {g.half_pitch_mm:g}, $n$ {g.convolutions}"
     return f"{shape}, DS {_silicone(scene)[-2:]}"

@@ -105,7 +105,7 @@ def _content(
 def _report_of(case: CaseResult) -> SceneReport:
     """A case as the tables of scene reports take it."""
     result, file = case.result, case.folder / SCENE_FILE
-    runs = [*result.axisymmetric, *result.sector, *result.full3d]
+    runs = result.runs
     return SceneReport(
         name=case.case.name,
         title=result.scene.title,

@@ -9,6 +9,7 @@ from pathlib import Path
 from studies.models.session import SceneResult
 from studies.paper.cases import Case, Group
 from studies.results.rows import Row
+from studies.scene.bellows import BellowsScene
 
 
 @dataclass(frozen=True)
@@ -17,7 +18,7 @@ class CaseResult:
 
     case: Case
     folder: Path
-    result: SceneResult
+    result: SceneResult[BellowsScene]
     measured: tuple[Row, ...]
 
     @property

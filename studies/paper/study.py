@@ -17,20 +17,23 @@ from analytical.bellows import chains, loads
 from analytical.bellows.paper import actuators
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
-from studies.models.run_log import finished_run
-from studies.models.runs import run_axisymmetric, run_body, run_hash
+from studies.models.axisymmetric import run_axisymmetric
+from studies.models.full3d import run_full3d
 from studies.models.session import SCENE_FILE, SceneResult, read_scene_folder, run_plan
 from studies.paper.cases import AUDIT_BODY_LEVEL, Case, audit_cases, case_text, cases
 from studies.paper.numbers import PRESSURES_KPA
 from studies.paper.report import write_paper_report
 from studies.paper.results import CaseResult, PaperResults
-from studies.planning.plan import BODY_LEVELS, SECTOR_LEVELS, make_plan
+from studies.planning.bellows import SECTOR_LEVELS, plan_bellows
+from studies.planning.levels import BODY_MERIDIANS
 from studies.progress import Progress
 from studies.report.drawn import key_of
-from studies.results import compare, measures, provenance, uncertainty
+from studies.results import measured_rows, measures, provenance, runs, uncertainty
 from studies.results.files import write_text_atomically
 from studies.results.rows import Row, read_rows, write_rows
-from studies.scene.bellows import Scene, load_scene
+from studies.results.runs import finished_run, run_hash
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
 
 SCENES = provenance.ROOT / "scenes"
 
@@ -61,7 +64,7 @@ def run_cases(folder: Path, cases: Sequence[Case], comm: MPI.Comm, progress: Pro
     if comm.rank == 0:
         write_scenes(folder, cases)
     comm.barrier()
-    scenes = {case: load_scene(folder / case.place / SCENE_FILE) for case in cases}
+    scenes = {case: load_bellows(folder / case.place / SCENE_FILE) for case in cases}
     faults = _run_axisymmetric(folder, scenes, comm, progress)
     for case, scene in scenes.items():
         if case.full3d:
@@ -69,7 +72,7 @@ def run_cases(folder: Path, cases: Sequence[Case], comm: MPI.Comm, progress: Pro
     return faults
 
 
-def _run_axisymmetric(folder: Path, scenes: dict[Case, Scene], comm: MPI.Comm, progress: Progress) -> list[str]:
+def _run_axisymmetric(folder: Path, scenes: dict[Case, BellowsScene], comm: MPI.Comm, progress: Progress) -> list[str]:
     """All axisymmetric runs, each content once, shared out over the ranks, the longest first."""
     alike: dict[str, list[tuple[Case, int]]] = {}
     for case in scenes:
@@ -92,19 +95,19 @@ def _run_axisymmetric(folder: Path, scenes: dict[Case, Scene], comm: MPI.Comm, p
     return [fault for of_rank in comm.allgather(faults) for fault in of_rank]
 
 
-def _run_bodies(place: Path, case: Case, scene: Scene, comm: MPI.Comm, progress: Progress) -> list[str]:
+def _run_bodies(place: Path, case: Case, scene: BellowsScene, comm: MPI.Comm, progress: Progress) -> list[str]:
     """The bodies of a case, on all ranks."""
     try:
         if case.group == "audit":
             level = AUDIT_BODY_LEVEL
             base = place / f"axisymmetric-r{level.meridian}"
-            run_body(scene, "full3d", level, base, place / f"full3d-{level.name}", comm, progress, ())
+            run_full3d(scene, "full3d", level, base, place / f"full3d-{level.name}", comm, progress, ())
         else:
             sectors = SECTOR_LEVELS if case.group == "core" else ()
             around = CORE_AROUND if case.group == "core" else ()
-            plan = make_plan(scene, "full3d", around, sectors, every_level=True)
+            plan = plan_bellows(scene, "full3d", around, sectors, every_level=True)
             if case.group != "core":  # beside those, for other elements or a count of modes; finer takes up to 10 GB
-                plan = dataclasses.replace(plan, body_levels=BODY_LEVELS[:1])
+                plan = dataclasses.replace(plan, body_levels=BODY_MERIDIANS[:1])
             run_plan(scene, case_text(case, SCENES), plan, place, comm, progress)
     except (GeometryError, MeshError, SolverError) as error:
         return [f"{case.place} full3d: {error}"]
@@ -117,18 +120,18 @@ def read_results(folder: Path, cases: Sequence[Case]) -> PaperResults:
     for case in cases:
         place = folder / case.place
         if (place / SCENE_FILE).exists():
-            result = read_scene_folder(place, current=True)
+            result = read_scene_folder(load_bellows(place / SCENE_FILE), place, current=True)
             found.append(CaseResult(case, place, result, _measured(place, result)))
     return PaperResults(tuple(found))
 
 
-def _measured(place: Path, result: SceneResult) -> tuple[Row, ...]:
+def _measured(place: Path, result: SceneResult[BellowsScene]) -> tuple[Row, ...]:
     """The measured rows of a case; kept beside its runs, for measuring some hundred states takes a minute."""
     hashes = [run.summary.content_hash for run in result.axisymmetric]
-    key = key_of(hashes, code=[measures, chains, loads, compare, uncertainty])
+    key = key_of(hashes, code=[measures, measured_rows, chains, loads, runs, uncertainty])
     rows_file, key_file = place / "measured.csv", place / "measured.key"
     if not (rows_file.exists() and key_file.exists() and key_file.read_text(encoding="utf-8") == key):
-        write_rows(rows_file, measures.measured_rows(result.scene, result.axisymmetric, place))
+        write_rows(rows_file, measured_rows.measured_rows(result.scene, result.axisymmetric, place))
         write_text_atomically(key_file, key)
     return tuple(read_rows(rows_file))
 
@@ -141,10 +144,7 @@ def write_report(folder: Path) -> tuple[PaperResults, Path]:
             chain(actuator.dimensions, actuator.law, PRESSURES_KPA)
     seconds = {"closed form": time.perf_counter() - begin}
     results = read_results(folder, (*cases(), *audit_cases()))
-    runs = [
-        run for case in results.cases for run in (*case.result.axisymmetric, *case.result.sector, *case.result.full3d)
-    ]
-    seconds["total"] = sum(run.summary.time_s["total"] for run in runs)
+    seconds["total"] = sum(run.summary.time_s["total"] for case in results.cases for run in case.result.runs)
     facts = {
         "commit": provenance.commit(),
         "date": provenance.now(),

@@ -26,7 +26,7 @@ from studies.paper.variant_tables import REFERENCE_RING, nearer
 from studies.paper.verdicts import HOLDS, UNDECIDED
 from studies.report.labels import model_label, run_label
 from studies.report.numbers import MISSING, signed
-from studies.results.compare import validity_notes
+from studies.results.closed_form_rows import validity_notes
 from studies.results.rows import FOLDED_BACK, REACHED, Row, difference_percent
 
 _NAMES_SHOWN = 4
@@ -156,12 +156,12 @@ def stops(results: PaperResults) -> tuple[str, ...]:
     for case in results.cases:
         found: dict[str, list[str]] = {}
         result = case.result
-        for run in (*result.axisymmetric, *result.sector, *result.full3d):
+        for run in result.runs:
             if run.summary.status != REACHED:
                 label = f"{run_label(run.summary.model, run.summary.level)} at {last_kpa(run):.4g} kPa"
                 found.setdefault(run.summary.reason, []).append(label)
         sentences += [f"{case.case.name}, {', '.join(labels)}: {why}" for why, labels in found.items()]
-        if not (result.axisymmetric or result.sector or result.full3d):
+        if not result.runs:
             sentences.append(f"{case.case.name}: no finished run")
     return tuple(sentences)
 
@@ -177,7 +177,7 @@ def notes(results: PaperResults) -> tuple[str, ...]:
 
 def _sentences(case: CaseResult) -> list[str]:
     result = case.result
-    runs = (*result.axisymmetric, *result.sector, *result.full3d)
+    runs = result.runs
     return list(dict.fromkeys((*validity_notes(result.scene), *(s for run in runs for s in run.summary.plan))))
 
 

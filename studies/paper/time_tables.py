@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Final
 
-from studies.models.run_log import Run
 from studies.paper.cases import REFERENCE_SCENES
 from studies.paper.numbers import finest, named
 from studies.paper.results import CaseResult, PaperResults
@@ -15,13 +14,14 @@ from studies.report.numbers import MISSING, count, short_time
 from studies.report.scene_tables import times_of, work_of
 from studies.report.tables import Table
 from studies.results.files import RunSummary
+from studies.results.runs import Run
 
 TETS: Final = "full 3D, tetrahedra"
 
 
 def _runs(case: CaseResult) -> tuple[Run, ...]:
     result = case.result
-    return (*result.axisymmetric, *result.sector, *result.full3d)
+    return result.runs
 
 
 def by_model(results: PaperResults, wall_s: Mapping[str, float]) -> Table:
@@ -86,9 +86,5 @@ def _seconds(value: float) -> str:
 
 def core_seconds(results: PaperResults) -> float:
     """Seconds of all runs of the four actuators without the variants, one after the other."""
-    runs = [
-        run
-        for case in results.of("core")
-        for run in (*case.result.axisymmetric, *case.result.sector, *case.result.full3d)
-    ]
+    runs = [run for case in results.of("core") for run in case.result.runs]
     return sum(run.summary.time_s["total"] for run in runs)

@@ -8,7 +8,6 @@ from typing import Final
 
 from analytical.bellows.paper import PRINTED
 from studies.closed_form.tables import SILICONES, STRETCH_AT_BREAK
-from studies.models.run_log import Run
 from studies.paper.cases import RING_VARIANTS, THICK, THIN
 from studies.paper.numbers import (
     HIGHEST_KPA,
@@ -31,6 +30,7 @@ from studies.report.labels import TIP_FORCE, run_label
 from studies.report.numbers import MISSING, count, short_time, value_text
 from studies.report.tables import Table
 from studies.results.rows import Row, difference_percent
+from studies.results.runs import Run
 
 REFERENCE_RING: Final = "ring-pla"
 

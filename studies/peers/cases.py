@@ -9,7 +9,8 @@ from typing import Any, Final
 
 from studies.peers.exchange import Cells, Level
 from studies.results import provenance
-from studies.scene.bellows import Scene, load_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
 
 SCENE: Final = provenance.ROOT / "scenes" / "peers" / "bellows.toml"
 SCRIPTS: Final = provenance.ROOT / "studies" / "peers"
@@ -132,9 +133,9 @@ def _label(level: Level, options: Mapping[str, Any]) -> str:
     return " ".join([level.name, *(f"{name}={value}" for name, value in options.items())])
 
 
-def peer_scene() -> Scene:
+def peer_scene() -> BellowsScene:
     """The problem, with meshed rings."""
-    return load_scene(SCENE)
+    return load_bellows(SCENE)
 
 
 def script_of(code: str) -> Path:

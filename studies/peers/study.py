@@ -17,7 +17,7 @@ from mpi4py import MPI
 
 from studies import launch
 from studies.engine import Page, Setting, Solved, Study
-from studies.models.runs import run_axisymmetric
+from studies.models.axisymmetric import run_axisymmetric
 from studies.peers import environment
 from studies.peers.cases import OURS, PEERS, Attempt, attempts, peer_scene
 from studies.peers.measure import Measurement, kept_measurement, measure
@@ -25,7 +25,7 @@ from studies.peers.rows import RATIO, Runs, comparison_rows
 from studies.progress import Progress
 from studies.report.tables import Table, table_of
 from studies.results.rows import Row
-from studies.scene.bellows import Scene
+from studies.scene.bellows import BellowsScene
 
 REFERENCE_LEVELS: Final = (4, 8)
 
@@ -69,7 +69,7 @@ def reason_not_to(attempt: Attempt, at: Setting) -> str:
     return ""
 
 
-def reference_tip(scene: Scene, out: Path) -> tuple[float, float]:
+def reference_tip(scene: BellowsScene, out: Path) -> tuple[float, float]:
     """The tip on the finest meridian with meshed rings, mm, and how much it differs from the one before, percent."""
     tips = []
     for level in REFERENCE_LEVELS:

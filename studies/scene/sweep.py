@@ -27,11 +27,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from studies.results import provenance
-from studies.scene.bellows import Scene, load_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
 from studies.scene.sections import SceneError, Section, read_toml, validated
 from studies.scene.text import changed_text
 
+CHECKOUT = Path(__file__).resolve().parents[2]
 # Keys that are not the sweep's to vary: every scene gets a name of its own, and no fields are written.
 _NOT_VARIED = ("name", "ask.fields")
 
@@ -73,7 +74,7 @@ class Variant:
     name: str
     values: Mapping[str, Any]
     text: str
-    scene: Scene | None
+    scene: BellowsScene | None
     refusal: str
 
 
@@ -87,7 +88,7 @@ def read_sweep(file: Path) -> list[Variant]:
     """
     sweep = validated(SweepFile, read_toml(file), file, _faults)
     base = _base_file(file, sweep.base)
-    named, text = load_scene(base).name, base.read_text(encoding="utf-8")
+    named, text = load_bellows(base).name, base.read_text(encoding="utf-8")
     asked: dict[str, Any] = {"ask.fields": False}
     if sweep.ask.pressure_kpa is not None:
         asked["load.pressure_kpa"] = sweep.ask.pressure_kpa
@@ -147,7 +148,7 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
 def _base_file(file: Path, base: str) -> Path:
     """The base scene: beside the sweep file, else in the checkout."""
     beside = file.parent / base
-    return beside if beside.exists() else provenance.ROOT / base
+    return beside if beside.exists() else CHECKOUT / base
 
 
 def _combinations(block: Mapping[str, list[Any]], combine: str) -> list[tuple[Any, ...]]:
@@ -172,7 +173,7 @@ def _variant(name: str, base: str, changes: Mapping[str, Any], keys: list[str]) 
         path = Path(folder, "scene.toml")
         path.write_text(text, encoding="utf-8")
         try:
-            return Variant(name, values, text, load_scene(path), "")
+            return Variant(name, values, text, load_bellows(path), "")
         except SceneError as error:
             return Variant(name, values, text, None, str(error).replace(f"{path}: ", "").replace("\n", "; "))
 

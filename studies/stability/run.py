@@ -27,20 +27,26 @@ from meshes.errors import GeometryError, MeshError
 from meshes.meridian import default_resolution, meridian_mesh
 from meshes.solid import FACETS, REGIONS, SolidMesh
 from meshes.surface import surface_weights
+from solvers.assembly.surfaces import SOFT, STIFF, Surfaces
 from solvers.discrete.domain import create_domain
 from solvers.discrete.elements import P2_P0
+from solvers.equilibrium.controls import HeldLoad, HeldVolume
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, SolverError, StepFailed
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
 from solvers.paths.records import PathSettings
-from solvers.problem import SOFT, STIFF, Problem, Surfaces
+from solvers.problem import Problem
 from solvers.state import State, combine, pressure_at_corners
-from studies.models.build import Tip, scene_meridian, scene_problem
+from studies.models.build import scene_problem
+from studies.models.tip import Tip
 from studies.results import provenance
-from studies.results.compare import MERIDIAN_ORDER
+from studies.results.runs import MERIDIAN_ORDER
 from studies.results.uncertainty import convergence, from_two
-from studies.scene.bellows import Scene, inverse_kappa, law_of, load_scene, shape_of
+from studies.scene.bellows import BellowsScene, shape_of
+from studies.scene.files import load_bellows
+from studies.scene.materials import inverse_kappa, law_of
+from studies.scene.meshes import scene_meridian
 from studies.scene.sections import SceneError
 from studies.stability import controls as stability_controls
 from studies.stability import exact as stability_exact
@@ -368,7 +374,7 @@ def _vacuum(
         volume = here[1] - step
         problem.set_state(guess(volume))
         try:
-            report = solve_equilibrium(problem, factor, newton, volume_mm3=volume)
+            report = solve_equilibrium(problem, factor, newton, HeldVolume(volume))
             iterations += report.iterations
             found = (problem.get_state(), volume)
             nearest = room_mm + float(np.diff(found[0].bodies_mm[:, 0]).min())
@@ -381,7 +387,7 @@ def _vacuum(
                     break
                 part = (kpa - reached) / (-1e3 * found[0].load_mpa - reached)
                 problem.set_state(combine([here[0], found[0]], [1.0 - part, part]))
-                report = solve_equilibrium(problem, factor, newton, pressure_mpa=-1e-3 * kpa)
+                report = solve_equilibrium(problem, factor, newton, HeldLoad(-1e-3 * kpa))
                 if not found[1] - 1e-6 * unit <= problem.cavity_volume() <= here[1] + 1e-6 * unit:
                     raise StepFailed("pressure control left the path")
                 iterations += report.iterations
@@ -421,7 +427,7 @@ def _round_mesh(body: Round) -> SolidMesh:
     return shaken(mesh, body.noise, body.seed) if body.noise else mesh
 
 
-def scene_of(body: Bellows, load_kpa: float) -> Scene:
+def scene_of(body: Bellows, load_kpa: float) -> BellowsScene:
     """The scene of a bellows, through the same checks as a user's file.
 
     Raises
@@ -438,12 +444,12 @@ def scene_of(body: Bellows, load_kpa: float) -> Scene:
         path = Path(folder, "scene.toml")
         path.write_text(tomlkit.dumps(document), encoding="utf-8")
         try:
-            return load_scene(path)
+            return load_bellows(path)
         except SceneError as error:
             raise SceneError(str(error).replace(f"{path}: ", "")) from None
 
 
-def _bellows_mesh(scene: Scene, body: Bellows) -> SolidMesh:
+def _bellows_mesh(scene: BellowsScene, body: Bellows) -> SolidMesh:
     if body.cell_mm is None and body.through is None:
         mesh = scene_meridian(scene, body.level)
     else:
@@ -454,7 +460,7 @@ def _bellows_mesh(scene: Scene, body: Bellows) -> SolidMesh:
     return shaken(mesh, body.noise, body.seed) if body.noise else mesh
 
 
-def _bellows_problem(scene: Scene, body: Bellows, mesh: SolidMesh, comm: MPI.Comm, flaw: Flaw = "") -> Problem:
+def _bellows_problem(scene: BellowsScene, body: Bellows, mesh: SolidMesh, comm: MPI.Comm, flaw: Flaw = "") -> Problem:
     """Of the scene; of meshed rings with another modulus; or of a control, without rings."""
     if body.contrast is None and not flaw:
         return scene_problem(scene, mesh if comm.rank == 0 else None, comm)

@@ -13,9 +13,9 @@ from solvers.state import State
 from studies.branches import study as branch_study
 from studies.branches.cases import SQUIRM_SCENE, in_plane, mirrored
 from studies.branches.study import read_case, run_study, write_report
-from studies.models.build import scene_body, scene_meridian
 from studies.results.rows import read_rows
-from studies.scene.bellows import load_scene
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_body, scene_meridian
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +60,7 @@ def test_damaged_and_missing_cases_are_none(kept, tmp_path) -> None:
 
 
 def test_part_of_a_mode_in_the_plane_of_symmetry() -> None:
-    body = scene_body(scene_meridian(load_scene(SQUIRM_SCENE), 1), "full3d", 6)
+    body = scene_body(scene_meridian(load_bellows(SQUIRM_SCENE), 1), "full3d", 6)
     x, y, z = body.points.T
     # a shear along a direction at 30 degrees from x, and a ring that follows
     way = np.array([np.cos(np.pi / 6.0), np.sin(np.pi / 6.0), 0.0])

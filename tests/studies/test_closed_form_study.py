@@ -13,11 +13,12 @@ from click.testing import CliRunner
 
 from analytical.bellows.corrections import CORRECTIONS
 from analytical.bellows.paper import actuators
-from studies.__main__ import BAD_INPUT, main
+from studies.__main__ import main
 from studies.closed_form import benchmark, material_tables, validity_maps
 from studies.closed_form import tables as closed_form_tables
 from studies.closed_form.study import write_study
 from studies.closed_form.tables import CHAINS, CUTS, PRESSURES_KPA
+from studies.command.common import BAD_INPUT
 from studies.report.tables import Table, as_text
 from studies.results.rows import read_rows
 from studies.verification import two_routes as exact_table

@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 import studies.__main__
+import studies.command.unconverted
 import studies.dimensions.study
 from analytical.bellows.chains import closed_form
 from analytical.bellows.fit.masses import mass_allowed, rings_g, silicone_g
@@ -23,9 +24,12 @@ from analytical.bellows.reading import BALANCED
 from studies.dimensions.fit import DimensionStudy, pick_sets, quantities
 from studies.dimensions.scenes import buildable, scene_of, standard_fittings, write_scenes
 from studies.dimensions.study import write_study
-from studies.models.build import masses_g, scene_meridian
+from studies.models.build import masses_g
 from studies.results.rows import read_rows
-from studies.scene.bellows import STABLE_STRETCH, dimensions_of, law_of, load_scene
+from studies.scene.bellows import dimensions_of
+from studies.scene.files import load_bellows
+from studies.scene.materials import STABLE_STRETCH, law_of
+from studies.scene.meshes import scene_meridian
 
 TWELVE = [actuator for family in FAMILIES for actuator in actuators(family)]
 every_actuator = pytest.mark.parametrize("actuator", TWELVE, ids=[actuator.name for actuator in TWELVE])
@@ -80,7 +84,7 @@ def test_scene_files_are_what_the_study_writes(actuator, root, tmp_path) -> None
     name = f"{actuator.name}.toml"
     ours, written = (folder / name for folder in (root / "scenes", tmp_path))
     assert tomllib.loads(ours.read_text(encoding="utf-8")) == tomllib.loads(written.read_text(encoding="utf-8"))
-    scene = load_scene(ours)
+    scene = load_bellows(ours)
     assert scene.name == actuator.name
     assert dimensions_of(scene) == actuator.dimensions
     law, known = law_of(scene.material), actuator.law
@@ -131,7 +135,7 @@ def test_predictions_against_single_actuators() -> None:
 def test_scenes_are_written_only_if_the_record_holds(as_recorded, tmp_path, monkeypatch) -> None:
     picks = SimpleNamespace(as_recorded=as_recorded, families=FAMILIES)
     monkeypatch.setattr(studies.dimensions.study, "write_study", lambda out: SimpleNamespace(picks=picks))
-    monkeypatch.setattr(studies.__main__.provenance, "ROOT", tmp_path)
+    monkeypatch.setattr(studies.command.unconverted.provenance, "ROOT", tmp_path)
     asked = ["dimensions", "--out", str(tmp_path / "out"), "--write-scenes"]
     result = CliRunner().invoke(studies.__main__.main, asked)
     assert result.exit_code == (0 if as_recorded else 3)

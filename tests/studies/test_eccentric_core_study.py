@@ -14,13 +14,14 @@ from meshes.errors import GeometryError
 from solvers.state import State
 from studies.__main__ import main
 from studies.imperfection.study import Case, run_study, write_report
-from studies.models.build import scene_body, scene_meridian
-from studies.models.runs import run_hash
-from studies.models.tip_pose import tip_pose
+from studies.models.tip import tip_pose
 from studies.planning.levels import BodyLevel
-from studies.planning.plan import describe, make_plan
+from studies.planning.planner import describe, make_plan
 from studies.results.rows import read_rows
-from studies.scene.bellows import core_shift_mm, load_scene, without_eccentricity
+from studies.results.runs import run_hash
+from studies.scene.bellows import core_shift_mm, without_eccentricity
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_body, scene_meridian
 from studies.scene.sections import SceneError
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -44,7 +45,7 @@ def edited(tmp_path):
 
 
 def test_plan_answers_full_3d_and_says_why() -> None:
-    scene = load_scene(SHORT)
+    scene = load_bellows(SHORT)
     plan = make_plan(scene)
     assert plan.model == "full3d" and plan.around_levels
     text = describe(scene, plan)
@@ -57,7 +58,7 @@ def test_plan_answers_full_3d_and_says_why() -> None:
 @pytest.mark.parametrize("model", ["axisymmetric", "sector", "closed_form"])
 def test_symmetric_models_are_refused(model) -> None:
     with pytest.raises(SceneError, match=r"geometry\.eccentricity = 0\.1 is not rotationally symmetric"):
-        make_plan(load_scene(SHORT), model)
+        make_plan(load_bellows(SHORT), model)
     done = CliRunner().invoke(main, ["plan", str(SHORT), "--model", model])
     assert done.exit_code == 2
 
@@ -72,18 +73,18 @@ def test_symmetric_models_are_refused(model) -> None:
 )
 def test_what_is_not_modelled_is_refused(edited, changes, reason) -> None:
     with pytest.raises(SceneError, match=reason):
-        load_scene(edited(*changes))
+        load_bellows(edited(*changes))
 
 
 def test_sector_of_a_shifted_core_is_refused() -> None:
-    scene = load_scene(SHORT)
+    scene = load_bellows(SHORT)
     with pytest.raises(GeometryError, match="take full3d"):
         scene_body(scene_meridian(scene, 1), "sector", 8, core_shift_mm(scene))
 
 
 def test_only_the_body_knows_of_the_shift(edited) -> None:
-    scene = load_scene(SHORT)
-    other = load_scene(edited(("eccentricity = 0.10 ", "eccentricity = 0.05 ")))
+    scene = load_bellows(SHORT)
+    other = load_bellows(edited(("eccentricity = 0.10 ", "eccentricity = 0.05 ")))
     assert run_hash(scene, "full3d", "n8") != run_hash(other, "full3d", "n8")
     assert run_hash(scene, "axisymmetric", "r1") == run_hash(other, "axisymmetric", "r1")
     assert run_hash(without_eccentricity(scene), "axisymmetric", "r1") == run_hash(scene, "axisymmetric", "r1")
@@ -91,7 +92,7 @@ def test_only_the_body_knows_of_the_shift(edited) -> None:
 
 
 def test_pose_of_a_turned_and_shifted_tip() -> None:
-    scene = load_scene(SHORT)
+    scene = load_bellows(SHORT)
     meridian = scene_meridian(scene, 1)
     body = scene_body(meridian, "full3d", 6)
     turn = Rotation.from_euler("y", 7.0, degrees=True)

@@ -16,11 +16,9 @@ from studies.cost.error_model.checks import CHECKED, CHOSEN, check_rows, factors
 from studies.cost.error_model.fit import Sample, fit, limits_of, sample, time_laws
 from studies.cost.error_model.study import STUDY
 from studies.engine import run
-from studies.models.build import scene_meridian
 from studies.planning import error_model
 from studies.planning.error_model import (
     FITS,
-    LEVELS,
     Cells,
     checked_error_percent,
     choose,
@@ -31,17 +29,20 @@ from studies.planning.error_model import (
     predicted_seconds,
     predicted_unknowns,
 )
+from studies.planning.levels import MERIDIANS
 from studies.progress import Progress
 from studies.results import provenance
 from studies.results.rows import read_rows, row
-from studies.scene.bellows import Scene, load_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_meridian
 
 
-def actuator() -> Scene:
-    return load_scene(provenance.ROOT / "scenes" / "heung-t2-ri5.toml")
+def actuator() -> BellowsScene:
+    return load_bellows(provenance.ROOT / "scenes" / "heung-t2-ri5.toml")
 
 
-def with_tolerance(scene: Scene, percent: float) -> Scene:
+def with_tolerance(scene: BellowsScene, percent: float) -> BellowsScene:
     return scene.model_copy(update={"ask": scene.ask.model_copy(update={"tolerance_percent": percent})})
 
 
@@ -53,7 +54,7 @@ def made_up_samples(power: float, count: int = 12) -> list[Sample]:
         of = tuple(random.uniform(-1.0, 1.0, 7))
         error = math.exp(power * of[0])
         tips: dict[int, tuple[float, ...]] = {
-            level: (10.0 * (1.0 + 0.01 * error / level**2),) for level in (*LEVELS, FINEST)
+            level: (10.0 * (1.0 + 0.01 * error / level**2),) for level in (*MERIDIANS, FINEST)
         }
         nothing = dict.fromkeys(tips, 1)
         found.append(Sample(f"s{k}", "hex", of, tips, dict.fromkeys(tips, 1.0), nothing))
@@ -101,8 +102,8 @@ def test_a_sector_has_a_quarter_of_the_unknowns() -> None:
 @pytest.mark.parametrize("cells", ["hex", "tet"])
 def test_finer_is_predicted_more_exact_and_slower(cells: Cells) -> None:
     scene = in_cells(actuator(), cells)
-    errors = [predicted_error_percent(scene, "axisymmetric", f"r{level}") for level in LEVELS]
-    seconds = [predicted_seconds(scene, "axisymmetric", f"r{level}") for level in LEVELS]
+    errors = [predicted_error_percent(scene, "axisymmetric", f"r{level}") for level in MERIDIANS]
+    seconds = [predicted_seconds(scene, "axisymmetric", f"r{level}") for level in MERIDIANS]
     assert errors == sorted(errors, reverse=True)
     assert seconds == sorted(seconds)
     bodies = [predicted_error_percent(scene, "full3d", level) for level in ("n8", "n12")]
@@ -172,7 +173,7 @@ def test_one_small_scene_from_runs_to_rows(tmp_path: Path) -> None:
     assert found.features == features(in_cells(scene, "hex"))
     rows = check_rows(scene, found, {scene.name: found.limits_mm()})
     checked = factors(rows, CHECKED, "hex")
-    assert len(checked) == len(LEVELS)
+    assert len(checked) == len(MERIDIANS)
     assert all(factor >= 1.0 for factor in checked.values())
 
 

@@ -12,7 +12,6 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
-from studies.models.run_log import Run
 from studies.models.session import SceneResult
 from studies.paper import plots as paper_plots
 from studies.paper.cases import Case, Group, case_text, cases
@@ -20,7 +19,8 @@ from studies.paper.results import CaseResult, PaperResults
 from studies.report.style import figure_file
 from studies.results.files import PathRow, RunSummary
 from studies.results.rows import FOLDED_BACK, REACHED, Row, row
-from studies.scene.bellows import Scene
+from studies.results.runs import Run
+from studies.scene.bellows import BellowsScene
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
 DRAW = [
@@ -101,7 +101,7 @@ def made_up(
     cause, crossing_kpa
         Why it stops, and from where on its states have an unstable mode.
     """
-    scene = Scene.model_validate(tomllib.loads(case_text(case, SCENES)))
+    scene = BellowsScene.model_validate(tomllib.loads(case_text(case, SCENES)))
     asked = [p for p in scene.load.pressure_kpa if p <= stop_kpa]
     rows: list[Row] = []
 
@@ -129,7 +129,7 @@ def made_up(
     path = [state(p, slope * p, 0.15 * p, modes[p], "requested" if p in asked else "step") for p in modes]
     why = cause if stop_kpa < math.inf else ""
     run = Run(summary("axisymmetric", "r4", 10.0, why, crossing_kpa), tuple(path))
-    result = SceneResult(scene, (run,), (), (), tuple(rows))
+    result = SceneResult(scene, (run,), tuple(rows))
     return CaseResult(case, Path("nowhere"), result, ())
 
 
@@ -316,7 +316,7 @@ def scaled(case: CaseResult, factor: float, seconds: float) -> CaseResult:
     (run,) = case.result.axisymmetric
     path = tuple(replace(entry, tip_mm=factor * entry.tip_mm) for entry in run.path)
     run = Run(replace(run.summary, time_s={"total": seconds}), path)
-    return replace(case, result=replace(case.result, axisymmetric=(run,)))
+    return replace(case, result=replace(case.result, runs=(run,)))
 
 
 def test_rings(tmp_path: Path, drawn: list[Figure]) -> None:

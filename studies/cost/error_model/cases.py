@@ -10,10 +10,12 @@ import numpy as np
 
 from meshes.bellows import check_shape
 from meshes.errors import GeometryError, MeshError
-from studies.models.build import scene_meridian
-from studies.planning.error_model import LEVELS, LONGEST, Cells
+from studies.planning.error_model import LONGEST, Cells
+from studies.planning.levels import MERIDIANS
 from studies.results import provenance
-from studies.scene.bellows import Scene, load_scene, shape_of
+from studies.scene.bellows import BellowsScene, shape_of
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_meridian
 
 TOLERANCE_SCENES: Final = provenance.ROOT / "scenes" / "tolerance"
 TRAINING, SEED = 24, 20241
@@ -30,7 +32,7 @@ KINDS: Final[tuple[Cells, ...]] = ("hex", "tet")
 class Trial:
     """A scene, and the cells it is solved in: ``hex`` or ``tet``, quadrilaterals or triangles."""
 
-    scene: Scene
+    scene: BellowsScene
     cells: Cells
 
     @property
@@ -41,7 +43,7 @@ class Trial:
     @property
     def levels(self) -> tuple[int, ...]:
         """Meridians, coarsest first; the quadrilaterals' finest is what all are compared with."""
-        return (*LEVELS, FINEST) if self.cells == "hex" else LEVELS
+        return (*MERIDIANS, FINEST) if self.cells == "hex" else MERIDIANS
 
 
 def cases(options: Mapping[str, Any]) -> list[Trial]:
@@ -50,15 +52,15 @@ def cases(options: Mapping[str, Any]) -> list[Trial]:
     return [Trial(scene, of) for of in KINDS for scene in (*training, *longer_scenes(training), *check_scenes())]
 
 
-def check_scenes() -> list[Scene]:
+def check_scenes() -> list[BellowsScene]:
     """Scenes that were fixed before the fit."""
-    return [load_scene(path) for path in sorted(TOLERANCE_SCENES.glob("*.toml"))]
+    return [load_bellows(path) for path in sorted(TOLERANCE_SCENES.glob("*.toml"))]
 
 
-def training_scenes() -> list[Scene]:
+def training_scenes() -> list[BellowsScene]:
     """Made-up bellows: walls 0.5 to 2 mm, roots 4 to 10 mm, both silicones, seats, fillets, pitches and pressures."""
     random = np.random.default_rng(SEED)
-    scenes: list[Scene] = []
+    scenes: list[BellowsScene] = []
     while len(scenes) < TRAINING:
         wall, root, depth, seat, fillet, pitch, load = random.uniform(
             [0.5, 4.0, 4.0, 2.0, 0.3, 4.5, 0.6], [2.0, 10.0, 6.0, 4.0, 1.0, 6.0, 2.4]
@@ -66,7 +68,7 @@ def training_scenes() -> list[Scene]:
         crest = round(root + depth, 2)
         # the load in parts of what a wall of this thickness carries, within 2 to 20 kPa
         top = round(min(max(load * 72.0 * wall / crest, 2.0), 20.0), 2)
-        scene = Scene.model_validate(
+        scene = BellowsScene.model_validate(
             {
                 "name": f"{PREFIX}{len(scenes):02d}",
                 "geometry": {
@@ -92,7 +94,7 @@ def training_scenes() -> list[Scene]:
     return scenes
 
 
-def longer_scenes(scenes: Sequence[Scene]) -> list[Scene]:
+def longer_scenes(scenes: Sequence[BellowsScene]) -> list[BellowsScene]:
     """Some of the scenes with as many convolutions as the model tells apart."""
     found = []
     for scene in scenes[:LONGER]:
@@ -101,7 +103,7 @@ def longer_scenes(scenes: Sequence[Scene]) -> list[Scene]:
     return found
 
 
-def in_cells(scene: Scene, cells: Cells) -> Scene:
+def in_cells(scene: BellowsScene, cells: Cells) -> BellowsScene:
     """The scene in these cells, with rigid rings."""
     rings = scene.rings.model_copy(update={"model": "rigid"})
     mesh = scene.mesh.model_copy(update={"element": cells})

@@ -9,16 +9,16 @@ from typing import Final
 from studies.cost.error_model.cases import FINEST, KINDS, in_cells
 from studies.cost.error_model.fit import Limits, Sample
 from studies.planning.error_model import (
-    LEVELS,
     Cells,
     checked_error_percent,
     choose,
     predicted_error_percent,
     predicted_seconds,
 )
+from studies.planning.levels import MERIDIANS
 from studies.report.tables import Table
 from studies.results.rows import Row, row
-from studies.scene.bellows import Scene
+from studies.scene.bellows import BellowsScene
 
 # What a prediction has to be within.
 ALLOWED_FACTOR: Final = 3.0
@@ -28,7 +28,7 @@ ACHIEVED, PREDICTED, CHECKED = "achieved_error_percent", "predicted_error_percen
 SECONDS: Final = "predicted_s"
 
 
-def check_rows(scene: Scene, s: Sample, limits: Limits) -> list[Row]:
+def check_rows(scene: BellowsScene, s: Sample, limits: Limits) -> list[Row]:
     """Predicted, checked (from two levels of the scene itself) and achieved errors, the largest over the pressures.
 
     Times are predicted and achieved without start and imports; ``chosen`` marks the level that the scene's tolerance
@@ -36,7 +36,7 @@ def check_rows(scene: Scene, s: Sample, limits: Limits) -> list[Row]:
     """
     of, rows = in_cells(scene, s.cells), []
     choice = choose(of, "axisymmetric")
-    for level in LEVELS:
+    for level in MERIDIANS:
         name, mesh = f"{s.cells} r{level}", f"r{level}"
         achieved = s.error_percent(level, limits)
         errors = {

@@ -14,11 +14,12 @@ from mpi4py import MPI
 from meshes.solid import FloatArray
 from studies.cost.error_model.cases import Trial, in_cells
 from studies.cost.points import Point, points, power_law
-from studies.models.runs import run_axisymmetric
-from studies.planning.error_model import FLOOR_PERCENT, LEVELS, Cells, Fit, Seconds, features
+from studies.models.axisymmetric import run_axisymmetric
+from studies.planning.error_model import FLOOR_PERCENT, Cells, Fit, Seconds, features
+from studies.planning.levels import MERIDIANS
 from studies.progress import Progress
-from studies.results.compare import tip_at
 from studies.results.rows import Row
+from studies.results.runs import tip_at
 
 # Weight that keeps the slopes of features which the training set hardly tells apart small.
 RIDGE: Final = 0.5
@@ -109,7 +110,7 @@ class _Solution:
 
     def predict(self, s: Sample, level: int) -> float:
         """Logarithm of the error."""
-        return float(self.constants[LEVELS.index(level)] + self.slopes @ (np.array(s.features) - self.centre))
+        return float(self.constants[MERIDIANS.index(level)] + self.slopes @ (np.array(s.features) - self.centre))
 
 
 def fit(samples: Sequence[Sample], limits: Limits, cells: Cells) -> Fit:
@@ -124,9 +125,9 @@ def fit(samples: Sequence[Sample], limits: Limits, cells: Cells) -> Fit:
     for out in {_family(s) for s in of}:
         kept = _solve([s for s in of if _family(s) != out], limits)
         left = [s for s in of if _family(s) == out]
-        misses += [kept.predict(s, level) - log_error(s, level, limits) for s in left for level in LEVELS]
+        misses += [kept.predict(s, level) - log_error(s, level, limits) for s in left for level in MERIDIANS]
     solution = _solve(of, limits)
-    ends = [np.quantile([_log_ratio(s, level, limits) for s in of], [TAIL, 1.0 - TAIL]) for level in LEVELS]
+    ends = [np.quantile([_log_ratio(s, level, limits) for s in of], [TAIL, 1.0 - TAIL]) for level in MERIDIANS]
     return Fit(
         constants=_rounded(solution.constants),
         slopes=_rounded(solution.slopes),
@@ -148,9 +149,9 @@ def _log_ratio(s: Sample, level: int, limits: Limits) -> float:
 
 
 def _solve(samples: Sequence[Sample], limits: Limits) -> _Solution:
-    levels = len(LEVELS)
-    rows = [[*(float(level == other) for other in LEVELS), *s.features] for s in samples for level in LEVELS]
-    a, b = np.array(rows), np.array([log_error(s, level, limits) for s in samples for level in LEVELS])
+    levels = len(MERIDIANS)
+    rows = [[*(float(level == other) for other in MERIDIANS), *s.features] for s in samples for level in MERIDIANS]
+    a, b = np.array(rows), np.array([log_error(s, level, limits) for s in samples for level in MERIDIANS])
     centre = a[:, levels:].mean(axis=0)
     a[:, levels:] -= centre
     penalty = np.diag([0.0] * levels + [RIDGE] * len(centre))

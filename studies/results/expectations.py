@@ -6,32 +6,29 @@ import math
 from collections.abc import Sequence
 from typing import cast
 
-from studies.models.run_log import Run
 from studies.planning.error_model import (
-    LEVELS,
-    Model,
     cells_of,
     checked_error_percent,
     knows,
     predicted_error_percent,
     predicted_seconds,
 )
-from studies.planning.levels import body_level, fineness
-from studies.results.compare import tip_at
+from studies.planning.levels import MERIDIANS, Model, body_level, fineness
 from studies.results.rows import Row, row
-from studies.scene.bellows import Scene
+from studies.results.runs import Run, of_model, tip_at
+from studies.scene.bellows import BellowsScene
 
 PREDICTED_ERROR, CHECKED_ERROR = "predicted_error_percent", "checked_error_percent"
 PREDICTED_WORK, WORK = "predicted_work_s", "work_s"
 
 
-def expectation_rows(scene: Scene, axisymmetric: Sequence[Run], bodies: Sequence[Run]) -> list[Row]:
+def expectation_rows(scene: BellowsScene, runs: Sequence[Run]) -> list[Row]:
     """Rows of the answer: its error predicted before and checked after solving, the work predicted and done.
 
     Parameters
     ----------
-    axisymmetric, bodies
-        All runs, coarsest first; the answer is the last.
+    runs
+        Axisymmetric ones first, then bodies, coarsest first; the answer is the last.
 
     Returns
     -------
@@ -39,21 +36,20 @@ def expectation_rows(scene: Scene, axisymmetric: Sequence[Run], bodies: Sequence
         Errors in percent of the tip, the largest over the requested pressures; work in s, without start and imports, of
         all runs together. None where the error model knows nothing of the scene or of the mesh, or nothing checks it.
     """
-    runs = [*axisymmetric, *bodies]
-    if not knows(scene) or len(axisymmetric) < 2 or any(_meridian(run) not in LEVELS for run in runs):
+    axisymmetric = of_model(runs, "axisymmetric")
+    bodies = [run for run in runs if run.summary.model != "axisymmetric"]
+    if not knows(scene) or len(axisymmetric) < 2 or any(_meridian(run) not in MERIDIANS for run in runs):
         return []
     answer = runs[-1]
     model, level = _model(answer), answer.summary.level
     checked = _checked_percent(scene, axisymmetric, _meridian(answer))
     if bodies:
         checked += _around_percent(scene, answer, axisymmetric)
-    expected = _work_s(scene, axisymmetric, bodies)
-    done = sum(run.summary.time_s["total"] for run in runs)
     found = {
         PREDICTED_ERROR: ("%", predicted_error_percent(scene, model, level)),
         CHECKED_ERROR: ("%", checked),
-        PREDICTED_WORK: ("s", expected),
-        WORK: ("s", done),
+        PREDICTED_WORK: ("s", _work_s(scene, axisymmetric, bodies)),
+        WORK: ("s", sum(run.summary.time_s["total"] for run in runs)),
     }
     return [row(scene.name, name, unit, math.nan, model, value, level) for name, (unit, value) in found.items()]
 
@@ -79,11 +75,11 @@ def _meridian(run: Run) -> int:
     return fineness(level) if run.summary.model == "axisymmetric" else body_level(level).meridian
 
 
-def _tips(scene: Scene, run: Run) -> list[float]:
+def _tips(scene: BellowsScene, run: Run) -> list[float]:
     return [tip_at(run, pressure) for pressure in scene.load.pressure_kpa]
 
 
-def _checked_percent(scene: Scene, axisymmetric: Sequence[Run], meridian: int) -> float:
+def _checked_percent(scene: BellowsScene, axisymmetric: Sequence[Run], meridian: int) -> float:
     """Error that a meridian leaves, as the level before shows it, or of the first level the one after."""
     levels = [_meridian(run) for run in axisymmetric]
     at = levels.index(meridian)
@@ -91,14 +87,14 @@ def _checked_percent(scene: Scene, axisymmetric: Sequence[Run], meridian: int) -
     return checked_error_percent(cells_of(scene), meridian, _tips(scene, axisymmetric[at]), _tips(scene, beside))
 
 
-def _around_percent(scene: Scene, body: Run, axisymmetric: Sequence[Run]) -> float:
+def _around_percent(scene: BellowsScene, body: Run, axisymmetric: Sequence[Run]) -> float:
     """Error that the cells round leave: the difference from the axisymmetric tip on the same meridian."""
     base = next(run for run in axisymmetric if _meridian(run) == _meridian(body))
     pairs = zip(_tips(scene, body), _tips(scene, base), strict=True)
     return max((100.0 * abs(v / b - 1.0) for v, b in pairs if b and math.isfinite(v - b)), default=math.nan)
 
 
-def _work_s(scene: Scene, axisymmetric: Sequence[Run], bodies: Sequence[Run]) -> float:
+def _work_s(scene: BellowsScene, axisymmetric: Sequence[Run], bodies: Sequence[Run]) -> float:
     """Predicted seconds of all runs; those of a body hold those of the meridian it starts from."""
     within = {_meridian(run) for run in bodies}
     total = sum(
