@@ -21,7 +21,8 @@ from mpi4py import MPI
 from studies.branches.cases import CASES, ON_ALL_RANKS, SOURCES, CaseResult, Fact, Point
 from studies.report.numbers import count, duration, number_text
 from studies.report.pages import write_page
-from studies.report.style import BLACK, BLUE, ORANGE, VERMILION, figure_file
+from studies.report.panels import Panel, Series, draw_panels
+from studies.report.style import BLACK, BLUE, INSIDE, ORANGE, VERMILION
 from studies.report.tables import Table, facts_table, table_of
 from studies.results import provenance
 from studies.results.files import write_text_atomically
@@ -157,20 +158,19 @@ def _fact_table(result: CaseResult) -> Table:
 
 
 def _draw(path: Path, result: CaseResult) -> None:
-    with figure_file(path, 5.6, 3.8) as figure:
-        axes = figure.subplots()
-        for colour, (name, points) in zip(COLOURS, _branches(result).items(), strict=False):
-            x, y = _drawn(result.name, points)
-            axes.plot(x, y, "-", color=colour, linewidth=1.0, label=name)
-            for stable, fill in ((True, colour), (False, "white")):
-                at = [k for k, p in enumerate(points) if (p.unstable == 0) == stable]
-                axes.plot([x[k] for k in at], [y[k] for k in at], "o", color=colour, markerfacecolor=fill, markersize=4)
-            exact = [p.exact_kpa for p in points]
-            if not all(map(math.isnan, exact)) and result.name != "blocked-bellows":
-                axes.plot(x, exact, "+", color=BLACK, markersize=6)
-        axes.set_xlabel(AXES[result.name][0])
-        axes.set_ylabel(AXES[result.name][1])
-        axes.legend(frameon=False, fontsize=8)
+    """Draw the branches of a case: filled where they are stable, with what is known exactly."""
+    series = []
+    for colour, (name, points) in zip(COLOURS, _branches(result).items(), strict=False):
+        x, y = _drawn(result.name, points)
+        series.append(Series(x, y, {"color": colour, "linewidth": 1.0}, name))
+        for stable, fill in ((True, colour), (False, "white")):
+            at = [k for k, p in enumerate(points) if (p.unstable == 0) == stable]
+            look = {"color": colour, "linestyle": "none", "marker": "o", "markersize": 4, "markerfacecolor": fill}
+            series.append(Series([x[k] for k in at], [y[k] for k in at], look))
+        exact = [p.exact_kpa for p in points]
+        if not all(map(math.isnan, exact)) and result.name != "blocked-bellows":
+            series.append(Series(x, exact, {"color": BLACK, "linestyle": "none", "marker": "+", "markersize": 6}))
+    draw_panels(path, [[Panel(series, *AXES[result.name])]], (5.6, 3.8), {**INSIDE, "fontsize": 8})
 
 
 def _drawn(name: str, points: Sequence[Point]) -> tuple[list[float], list[float]]:

@@ -7,25 +7,30 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-import matplotlib
 import numpy as np
 from matplotlib.colors import BoundaryNorm
-from matplotlib.lines import Line2D
-from matplotlib.patheffects import withStroke
 
 from analytical.arrays import FloatArray
-from studies.report.style import BLUE, GREEN, VERMILION, figure_file
+from studies.report.maps import (
+    PERCENT_COLOURS,
+    change_of_sign,
+    colour_scale,
+    mark_change_of_sign,
+    percent_bands,
+    percent_text,
+)
+from studies.report.panels import Panel, Series, draw_panels
+from studies.report.style import ABOVE, BLUE, GREEN, HALO, VERMILION, figure_file
 
-# Percent at which the colour changes: orange against purple, told apart by colour-blind readers, white below 5 %.
+# Percent at which the colour changes: white below 5 %.
 _BOUNDS: Final = (-100.0, -50.0, -20.0, -10.0, -5.0, 5.0, 10.0, 20.0, 50.0, 100.0)
-_HALO: Final = [withStroke(linewidth=3.0, foreground="white")]
 # Labels nearer than this would overlap, pixels.
 _LABEL_ROOM: Final = 35.0
 _NO_STATE: Final = "#bdbdbd"
 
 
 @dataclass(frozen=True, eq=False)
-class Panel:
+class MapPanel:
     """A map of a change in percent.
 
     Attributes
@@ -58,7 +63,7 @@ class Panel:
     right_axis: tuple[float, str] | None = None
 
 
-def draw_maps(path: Path, panels: Sequence[Sequence[Panel]], colour_label: str) -> None:
+def draw_maps(path: Path, panels: Sequence[Sequence[MapPanel]], colour_label: str) -> None:
     """Draw rows of maps with contour lines and one colour scale in percent.
 
     Parameters
@@ -75,34 +80,26 @@ def draw_maps(path: Path, panels: Sequence[Sequence[Panel]], colour_label: str) 
         # room for the y labels, which the layout puts a little beyond the edge otherwise
         figure.set_layout_engine("constrained", w_pad=0.1)
         grid = figure.subplots(len(panels), width, squeeze=False)
-        # a colour per interval and one for either end beyond
-        norm = BoundaryNorm(_BOUNDS, 256, extend="both")
+        norm = percent_bands(_BOUNDS)
         drawn: Any = None
         for axes, panel in zip(grid.ravel(), (panel for line in panels for panel in line), strict=True):
             drawn = _draw_map(axes, panel, norm)
-        bar = figure.colorbar(drawn, ax=grid, location="bottom", aspect=50, shrink=0.7, ticks=_BOUNDS)
-        bar.ax.set_xticklabels([_signed(bound) for bound in _BOUNDS])
-        bar.set_label(colour_label)
-        unfolding = Line2D([], [], color=BLUE, linestyle="--", linewidth=1.6, label="fully unfolded from here on")
-        figure.legend(handles=[unfolding], loc="outside lower right", frameon=False)
+        colour_scale(figure, drawn, grid, colour_label, _BOUNDS)
+        figure.legend(handles=[change_of_sign("fully unfolded from here on")], loc="outside lower right", frameon=False)
 
 
-def _draw_map(axes: Any, panel: Panel, norm: BoundaryNorm) -> Any:
+def _draw_map(axes: Any, panel: MapPanel, norm: BoundaryNorm) -> Any:
     axes.set_facecolor(_NO_STATE)
     percent = np.ma.masked_invalid(panel.percent)
-    drawn = axes.contourf(
-        panel.x, panel.y, percent, levels=_BOUNDS, cmap=matplotlib.colormaps["PuOr"], norm=norm, extend="both"
-    )
+    drawn = axes.contourf(panel.x, panel.y, percent, levels=_BOUNDS, cmap=PERCENT_COLOURS, norm=norm, extend="both")
     lines = axes.contour(panel.x, panel.y, percent, levels=_BOUNDS, colors="black", linewidths=0.7)
-    texts = axes.clabel(lines, inline=False, colors="black", fmt=_signed, fontsize=7)
+    texts = axes.clabel(lines, inline=False, colors="black", fmt=percent_text, fontsize=7)
     _thin_out(axes, texts, panel.points.values())
-    if np.any(panel.unfolded > 0.0) and np.any(panel.unfolded < 0.0):
-        begins = axes.contour(panel.x, panel.y, panel.unfolded, levels=[0.0], colors=BLUE, linestyles="--")
-        begins.set(linewidth=1.6, path_effects=_HALO)
+    mark_change_of_sign(axes, panel.x, panel.y, panel.unfolded)
     for label, (x, y) in panel.points.items():
         axes.plot(x, y, marker="o", color="black", markeredgecolor="white", markersize=7, zorder=5)
         axes.annotate(
-            label, (x, y), xytext=(0, 7), textcoords="offset points", ha="center", fontsize=8, path_effects=_HALO
+            label, (x, y), xytext=(0, 7), textcoords="offset points", ha="center", fontsize=8, path_effects=HALO
         )
     for label, x in panel.lines.items():
         axes.axvline(x, color="black", linewidth=1.2, linestyle=":")
@@ -115,7 +112,7 @@ def _draw_map(axes: Any, panel: Panel, norm: BoundaryNorm) -> Any:
             rotation=90,
             va="top",
             fontsize=8,
-            path_effects=_HALO,
+            path_effects=HALO,
         )
     axes.set_title(panel.title, fontsize=10)
     axes.set_xlabel(panel.x_label)
@@ -132,16 +129,12 @@ def _thin_out(axes: Any, texts: Sequence[Any], points: Iterable[tuple[float, flo
     to_screen = axes.transData.transform
     taken = [to_screen(point) + (0.0, 0.5 * _LABEL_ROOM) for point in points]
     for text in texts:
-        text.set_path_effects(_HALO)
+        text.set_path_effects(HALO)
         place = to_screen(text.get_position())
         if any(np.hypot(*(place - other)) < _LABEL_ROOM for other in taken):
             text.set_visible(False)
         else:
             taken.append(place)
-
-
-def _signed(value: float) -> str:
-    return f"{value:+g}".replace("-", "\N{MINUS SIGN}")
 
 
 def draw_stress_curves(path: Path, stretch: FloatArray, nominal_kpa: Mapping[str, Mapping[str, FloatArray]]) -> None:
@@ -157,19 +150,16 @@ def draw_stress_curves(path: Path, stretch: FloatArray, nominal_kpa: Mapping[str
         By test, then by material: nominal stress, shape (n,), kPa.
     """
     styles = (
-        {"color": BLUE, "linestyle": "-"},
-        {"color": GREEN, "linestyle": "--"},
-        {"color": VERMILION, "linestyle": "-."},
+        {"color": BLUE, "linestyle": "-", "linewidth": 1.8},
+        {"color": GREEN, "linestyle": "--", "linewidth": 1.8},
+        {"color": VERMILION, "linestyle": "-.", "linewidth": 1.8},
     )
-    with figure_file(path, 9.3, 4.0) as figure:
-        row = figure.subplots(1, len(nominal_kpa), sharey=True)
-        for axes, (test, materials) in zip(row, nominal_kpa.items(), strict=True):
-            for (material, stress), style in zip(materials.items(), styles, strict=True):
-                axes.plot(stretch, stress, label=material, linewidth=1.8, **style)
-            axes.set_yscale("log")
-            axes.set_title(test, fontsize=10)
-            axes.set_xlabel("stretch")
-            axes.grid(color="#e4e4e4")
-            axes.set_axisbelow(True)
-        row[0].set_ylabel("nominal stress, kPa")
-        figure.legend(*row[0].get_legend_handles_labels(), loc="outside upper center", ncols=3, frameon=False)
+    panels: list[Panel] = []
+    for test, materials in nominal_kpa.items():
+        series = [
+            Series(stretch, stress, style, name)
+            for (name, stress), style in zip(materials.items(), styles, strict=True)
+        ]
+        label = "" if panels else "nominal stress, kPa"
+        panels.append(Panel(series, "stretch", label, test, logarithmic="y"))
+    draw_panels(path, [panels], (9.3, 4.0), {**ABOVE, "ncols": 3}, sharey=True)

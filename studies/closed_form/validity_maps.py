@@ -22,7 +22,7 @@ from analytical.bellows.reading import BALANCED, PRINTED_READING, Reading
 from analytical.bellows.validity import cap_bulge_mm, with_free_root, with_other_wall
 from analytical.laws.isotropic import Law
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
-from studies.closed_form.plots import Panel
+from studies.closed_form.plots import MapPanel
 from studies.closed_form.tables import PRESSURES_KPA, SILICONES, actuator_columns, path_of
 from studies.report.numbers import MISSING, signed
 from studies.report.tables import Table
@@ -181,7 +181,7 @@ def held_sizes() -> str:
 # --- panels of the maps ---------------------------------------------------------------------
 
 
-def panels(effect: Effect, maps: Sequence[SiliconeMaps], actuators: Sequence[PaperActuator]) -> list[list[Panel]]:
+def panels(effect: Effect, maps: Sequence[SiliconeMaps], actuators: Sequence[PaperActuator]) -> list[list[MapPanel]]:
     """Rows of panels, one per silicone: the map at each pressure, then the section over the pressure."""
     return [
         [
@@ -192,9 +192,9 @@ def panels(effect: Effect, maps: Sequence[SiliconeMaps], actuators: Sequence[Pap
     ]
 
 
-def _plane_panel(effect: Effect, one: SiliconeMaps, k: int, actuators: Sequence[PaperActuator]) -> Panel:
+def _plane_panel(effect: Effect, one: SiliconeMaps, k: int, actuators: Sequence[PaperActuator]) -> MapPanel:
     pressure, modulus_kpa = MAP_PRESSURES_KPA[k], 1e3 * one.law.initial_shear_modulus_mpa
-    return Panel(
+    return MapPanel(
         title=f"{SILICONES[one.silicone]}, {pressure:g} kPa = {pressure / modulus_kpa:.3f} μ",
         x_label="$t / R_i$",
         y_label="$R_p / R_i$",
@@ -214,9 +214,9 @@ def _plane_panel(effect: Effect, one: SiliconeMaps, k: int, actuators: Sequence[
     )
 
 
-def _section(effect: Effect, one: SiliconeMaps, actuators: Sequence[PaperActuator]) -> Panel:
+def _section(effect: Effect, one: SiliconeMaps, actuators: Sequence[PaperActuator]) -> MapPanel:
     modulus_kpa = 1e3 * one.law.initial_shear_modulus_mpa
-    return Panel(
+    return MapPanel(
         title=f"{SILICONES[one.silicone]}, $R_p / R_i$ = {SECTION:g}",
         x_label="$t / R_i$",
         y_label="pressure / μ",

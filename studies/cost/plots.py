@@ -3,38 +3,43 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.ticker import FuncFormatter
 
 from studies.cost.points import Growth, Point, front, per_factorisation
 from studies.report.labels import model_label
+from studies.report.panels import Panel, Series, add_legend, add_panel, draw_panels
 from studies.report.style import (
     BESIDE,
     BLACK,
     BLUE,
     GREEN,
     GREY,
+    INSIDE,
     PURPLE,
     VERMILION,
     figure_file,
-    grid,
-    logarithmic,
     style_of,
 )
 
 # Of other programs by their name in turn.
-PEER_COLOURS = (GREEN, PURPLE, BLACK, GREY)
-MARKERS = {"hex": "s", "tet": "^", "tet-p0": "v", "tet-p1": "x", "none": "P"}
-ELEMENTS = {
+PEER_COLOURS: Final = (GREEN, PURPLE, BLACK, GREY)
+MARKERS: Final = {"hex": "s", "tet": "^", "tet-p0": "v", "tet-p1": "x", "none": "P"}
+ELEMENTS: Final = {
     "hex": "hexahedra",
     "tet": "tetrahedra",
     "tet-p0": "tetrahedra P2/P0",
     "tet-p1": "tetrahedra P1",
     "none": "no cells",
 }
+_ALONE: Final = {"linestyle": "none"}
+# A ring round a point.
+_RING: Final = {**_ALONE, "marker": "o", "markersize": 14, "markerfacecolor": "none", "markeredgecolor": BLACK}
 
 
 def draw_front(path: Path, points: Sequence[Point], whole: bool = False) -> None:
@@ -56,36 +61,34 @@ def draw_front(path: Path, points: Sequence[Point], whole: bool = False) -> None
     peers = [model for model in models if model.startswith("peer_")]
     colours = {model: style_of(model)["color"] for model in models if model not in peers}
     colours |= {model: PEER_COLOURS[k % len(PEER_COLOURS)] for k, model in enumerate(peers)}
+    fronts = {model: front([p for p in shown if p.model == model]) for model in models}
+    series = []
+    for model in models:
+        label = model_label(model.removeprefix("peer_"))
+        series.append(_series(fronts[model], {"color": colours[model], "linewidth": 1.4}, label))
+        for element in dict.fromkeys(p.element for p in shown if p.model == model):
+            look = {**_ALONE, "color": colours[model], "marker": MARKERS.get(element, "D")}
+            of = [p for p in shown if (p.model, p.element) == (model, element)]
+            series.append(_series(of, {**look, "markersize": 6.5, "alpha": 0.8}))
+    if default := [p for p in shown if p.default]:
+        series.append(_series(default, _RING, "settings of study-paper"))
+    for element in dict.fromkeys(p.element for p in shown if not p.is_peer):
+        series.append(_series([], {**_ALONE, "color": GREY, "marker": MARKERS[element]}, ELEMENTS[element]))
+    x_label = f"wall time, s, {'from start to end of the process' if whole else 'without start and imports'}"
     with figure_file(path, 8.6, 5.0) as figure:
         axes = figure.add_subplot()
-        for model, colour in colours.items():
-            mine = [p for p in shown if p.model == model]
-            line = front(mine)
-            label = model_label(model.removeprefix("peer_"))
-            axes.plot(*_places(line), color=colour, linewidth=1.4, label=label)
-            for p in line:
-                at = (p.time_s, p.told_apart_percent)
-                name = f"{p.element} {p.mesh}"
-                axes.annotate(name, at, (4, 5), textcoords="offset points", fontsize=7.5, color=colour)
-            for element in dict.fromkeys(p.element for p in mine):
-                of = [p for p in mine if p.element == element]
-                axes.scatter(*_places(of), s=42.0, color=colour, marker=MARKERS.get(element, "D"), alpha=0.8)
-        if default := [p for p in shown if p.default]:
-            label = "settings of study-paper"
-            axes.scatter(*_places(default), s=196.0, facecolors="none", edgecolors=BLACK, label=label)
-        for element in dict.fromkeys(p.element for p in shown if not p.is_peer):
-            axes.plot([], [], color=GREY, marker=MARKERS[element], linestyle="none", label=ELEMENTS[element])
-        logarithmic(axes, "x", "y")
-        axes.set_xlabel(f"wall time, s, {'from start to end of the process' if whole else 'without start and imports'}")
-        axes.set_ylabel("error, %")
-        grid(axes, which="both")
-        if shown:
-            axes.legend(**BESIDE)
+        add_panel(axes, Panel(series, x_label, "error, %", logarithmic="xy"))
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        for p in (p for line in fronts.values() for p in line):
+            at, name = (p.time_s, p.told_apart_percent), f"{p.element} {p.mesh}"
+            axes.annotate(name, at, (4, 5), textcoords="offset points", fontsize=7.5, color=colours[p.model])
+        add_legend(figure, BESIDE)
 
 
-def _places(of: Sequence[Point]) -> tuple[list[float], list[float]]:
-    """Times, s, and errors, percent."""
-    return [p.time_s for p in of], [p.told_apart_percent for p in of]
+def _series(of: Sequence[Point], look: Mapping[str, Any], label: str = "") -> Series:
+    """Points at their times, s, and errors, percent."""
+    return Series([p.time_s for p in of], [p.told_apart_percent for p in of], look, label)
 
 
 def draw_growth(path: Path, of: Sequence[Point], laws: Growth) -> None:
@@ -106,12 +109,11 @@ def draw_growth(path: Path, of: Sequence[Point], laws: Growth) -> None:
         ("memory, MB", [p.cost.peak_mb for p in of], laws.memory, GREEN),
     )
     unknowns = [p.cost.unknowns for p in of]
-    ends = np.array([min(unknowns), max(unknowns)])
-    with figure_file(path, 8.6, 3.8) as figure:
-        for axes, (label, values, law, colour) in zip(figure.subplots(1, 3), curves, strict=True):
-            axes.plot(unknowns, values, color=colour, marker="s", linestyle="none")
-            line = [law.at(x) for x in ends]
-            axes.plot(ends, line, color=colour, linewidth=1.2, label=f"exponent {law.exponent:.2f}")
-            axes.set(xscale="log", yscale="log", xlabel="unknowns", ylabel=label)
-            grid(axes, which="both")
-            axes.legend(frameon=False)
+    ends = [min(unknowns), max(unknowns)]
+    panels = []
+    for label, values, law, colour in curves:
+        measured = Series(unknowns, values, {**_ALONE, "color": colour, "marker": "s"})
+        look = {"color": colour, "linewidth": 1.2}
+        line = Series(ends, [law.at(x) for x in ends], look, f"exponent {law.exponent:.2f}")
+        panels.append(Panel([measured, line], "unknowns", label, logarithmic="xy"))
+    draw_panels(path, [panels], (8.6, 3.8), INSIDE)

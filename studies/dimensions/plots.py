@@ -20,7 +20,7 @@ from meshes.bellows import BellowsShape, cap_band, corner_band, wall_segments
 from studies.dimensions.fit import ACTUATORS, DimensionStudy, Prediction
 from studies.dimensions.scenes import scene_of
 from studies.dimensions.tables import SET_NAMES
-from studies.report.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, figure_file
+from studies.report.style import BELOW, BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, figure_file, grid
 from studies.scene.bellows import shape_of
 
 # Of the picked sets: told apart by shape as well as by colour.
@@ -31,7 +31,6 @@ _PICKS: Final[tuple[dict[str, Any], ...]] = (
 )
 _ALL: Final = "#8c8c8c"
 _ALSO_WITH_RINGS: Final = "#303030"
-_GRID: Final[dict[str, Any]] = {"color": "#e4e4e4", "zorder": 0}
 _BODY: Final = {"dragon-skin-10": SKY, "dragon-skin-30": ORANGE}
 # Hollow, so that none hides another.
 _PRINTED: Final[dict[str, dict[str, Any]]] = {
@@ -68,8 +67,8 @@ def draw_members(path: Path, study: DimensionStudy) -> None:
     )
     scale = Normalize(0.0, 100.0 * WITHIN)
     with figure_file(path, 1.0 + 2.0 * len(choices), 7.6) as figure:
-        grid = figure.subplots(len(planes), len(choices), sharex=True, sharey="row", squeeze=False)
-        for column, silicone in zip(grid.T, choices, strict=True):
+        places = figure.subplots(len(planes), len(choices), sharex=True, sharey="row", squeeze=False)
+        for column, silicone in zip(places.T, choices, strict=True):
             part = members.take(_of(members, silicone))
             # the best last, on top
             part = part.take(np.argsort(-part.worst_error))
@@ -88,13 +87,12 @@ def draw_members(path: Path, study: DimensionStudy) -> None:
                 for k in np.flatnonzero(np.all(study.picks.sets.silicone == silicone, axis=1)):
                     x, y = study.picks.sets.crest_radius_mm[k], getattr(study.picks.sets, name)[k]
                     axes.plot(x, y, zorder=4, markeredgecolor="white", markeredgewidth=1.2, **_PICKS[k])
-                axes.grid(**_GRID)
-                axes.set_axisbelow(True)
+                grid(axes)
             column[-1].set_xlabel("$R_p$, mm")
-        for axes, (_, label) in zip(grid[:, 0], planes, strict=True):
+        for axes, (_, label) in zip(places[:, 0], planes, strict=True):
             axes.set_ylabel(label)
-        figure.colorbar(ScalarMappable(scale, "viridis"), ax=grid, label="worst error, %", shrink=0.5, pad=0.02)
-        figure.legend(handles=_pick_handles(), loc="outside lower center", ncols=3, frameon=False)
+        figure.colorbar(ScalarMappable(scale, "viridis"), ax=places, label="worst error, %", shrink=0.5, pad=0.02)
+        figure.legend(handles=_pick_handles(), ncols=3, **BELOW)
 
 
 def draw_spread(path: Path, study: DimensionStudy, predicted: Sequence[Prediction]) -> None:
@@ -115,8 +113,8 @@ def draw_spread(path: Path, study: DimensionStudy, predicted: Sequence[Predictio
     columns = 3
     rows = -(-len(predicted) // columns)
     with figure_file(path, 11.0, 0.8 + 2.45 * rows) as figure:
-        grid = figure.subplots(rows, columns, sharey=True, squeeze=False)
-        for axes, prediction in zip(grid.ravel(), predicted, strict=False):
+        places = figure.subplots(rows, columns, sharey=True, squeeze=False)
+        for axes, prediction in zip(places.ravel(), predicted, strict=False):
             q = prediction.quantity
             for j in range(len(ACTUATORS)):
                 for mask, colour in ((~with_rings, _ALL), (with_rings, _ALSO_WITH_RINGS)):
@@ -131,17 +129,16 @@ def draw_spread(path: Path, study: DimensionStudy, predicted: Sequence[Predictio
             if q.name in _LOGARITHMIC:
                 axes.set_xscale("log")
                 _label_decades(axes, prediction.members)
-            axes.grid(axis="x", **_GRID)
-            axes.set_axisbelow(True)
-        for axes in grid.ravel()[len(predicted) :]:
+            grid(axes, axis="x")
+        for axes in places.ravel()[len(predicted) :]:
             axes.set_visible(False)
-        grid[0, 0].set_yticks(range(len(ACTUATORS)), [_with_math(name) for name in ACTUATORS])
-        grid[0, 0].set_ylim(len(ACTUATORS) - 0.5, -0.5)
+        places[0, 0].set_yticks(range(len(ACTUATORS)), [_with_math(name) for name in ACTUATORS])
+        places[0, 0].set_ylim(len(ACTUATORS) - 0.5, -0.5)
         dots = [
             Line2D([], [], linestyle="none", marker="o", markersize=5.0, color=colour, label=label)
             for colour, label in ((_ALSO_WITH_RINGS, "fits, mass allowed with rings too"), (_ALL, "fits, without"))
         ]
-        figure.legend(handles=[*_pick_handles(), *dots], loc="outside lower center", ncols=5, frameon=False)
+        figure.legend(handles=[*_pick_handles(), *dots], ncols=5, **BELOW)
 
 
 def draw_paths(path: Path, study: DimensionStudy) -> None:
@@ -151,8 +148,8 @@ def draw_paths(path: Path, study: DimensionStudy) -> None:
     curves = np.stack([tip_mm(members, p) for p in pressures])  # (p, m, 4)
     picks = np.stack([tip_mm(study.picks.sets, p) for p in pressures])
     with figure_file(path, 11.0, 3.5) as figure:
-        grid = figure.subplots(1, len(ACTUATORS))
-        for j, axes in enumerate(grid):
+        places = figure.subplots(1, len(ACTUATORS))
+        for j, axes in enumerate(places):
             for of, colour in ((curves[:, :, j], "#dadada"), (curves[:, with_rings, j], "#b0b0b0")):
                 axes.fill_between(pressures, of.min(axis=1), of.max(axis=1), color=colour, linewidth=0.0, zorder=1)
             for k, style in enumerate(_PICKS):
@@ -164,9 +161,8 @@ def draw_paths(path: Path, study: DimensionStudy) -> None:
             axes.set_xlabel("cavity pressure, kPa")
             axes.set_xlim(0.0, PRINTED_PRESSURE_KPA)
             axes.set_ylim(bottom=0.0)
-            axes.grid(**_GRID)
-            axes.set_axisbelow(True)
-        grid[0].set_ylabel("elongation, corrected chain, mm")
+            grid(axes)
+        places[0].set_ylabel("elongation, corrected chain, mm")
         handles: list[Any] = [
             Line2D([], [], color=style["color"], linestyle=dashes, label=name)
             for style, dashes, name in zip(_PICKS, ("-", "--", ":"), SET_NAMES, strict=True)
@@ -176,33 +172,32 @@ def draw_paths(path: Path, study: DimensionStudy) -> None:
             Patch(color="#b0b0b0", label="mass allowed with rings too"),
         ]
         handles += [Line2D([], [], linestyle="none", label=label, **style) for label, style in _PRINTED.items()]
-        figure.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False)
+        figure.legend(handles=handles, ncols=4, **BELOW)
 
 
 def draw_outlines(path: Path, study: DimensionStudy) -> None:
     """Draw the halved bodies of the picked sets at rest, to one scale, mm."""
     longest = max(shape_of(scene_of(of_set[0])).cavity_length_mm for of_set in study.actuators)
     with figure_file(path, 11.0, 4.9) as figure:
-        grid = figure.subplots(len(ACTUATORS), len(SET_NAMES), sharex=True, sharey=True)
+        places = figure.subplots(len(ACTUATORS), len(SET_NAMES), sharex=True, sharey=True)
         for k, of_set in enumerate(study.actuators):
-            for axes, actuator in zip(grid[:, k], of_set, strict=True):
+            for axes, actuator in zip(places[:, k], of_set, strict=True):
                 _draw_body(axes, actuator)
                 axes.set_aspect("equal")
                 axes.set_xlim(-1.0, longest + 6.0)
                 axes.set_ylim(0.0, 20.0)
                 axes.set_title(actuator.name, fontsize=9)
-            grid[0, k].set_title(f"{SET_NAMES[k]}\n{of_set[0].name}", fontsize=9)
-            grid[-1, k].set_xlabel("axis, mm")
-        for axes in grid[:, 0]:
+            places[0, k].set_title(f"{SET_NAMES[k]}\n{of_set[0].name}", fontsize=9)
+            places[-1, k].set_xlabel("axis, mm")
+        for axes in places[:, 0]:
             axes.set_ylabel("r, mm")
         handles = [
             Patch(color=colour, label=name.replace("dragon-skin-", "Dragon Skin ")) for name, colour in _BODY.items()
         ]
         figure.legend(
             handles=[*handles, Patch(color="#777777", label="rings")],
-            loc="outside lower center",
             ncols=3,
-            frameon=False,
+            **BELOW,
         )
 
 

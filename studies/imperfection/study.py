@@ -26,8 +26,9 @@ from studies.progress import Progress
 from studies.report.labels import level_label
 from studies.report.numbers import duration
 from studies.report.pages import write_page
+from studies.report.panels import Panel, Series, draw_panels
 from studies.report.pictures.bent import Bent, draw_bent
-from studies.report.style import BLACK, BLUE, ORANGE, VERMILION, figure_file
+from studies.report.style import ABOVE, BLACK, BLUE, ORANGE, VERMILION
 from studies.report.tables import Table, facts_table
 from studies.results import provenance
 from studies.results.rows import REACHED, Row, row, write_rows
@@ -39,7 +40,11 @@ from studies.scene.meshes import scene_body, scene_meridian
 
 TITLE: Final = "An eccentric core: how far the actuator bends and what it does to the elongation"
 SHARES: Final = (0.0, 0.05, 0.10)
-LOOKS: Final = {0.0: (BLACK, "o"), 0.05: (ORANGE, "s"), 0.10: (VERMILION, "D")}
+LOOKS: Final = {
+    0.0: {"color": BLACK, "marker": "o"},
+    0.05: {"color": ORANGE, "marker": "s"},
+    0.10: {"color": VERMILION, "marker": "D"},
+}
 
 
 @dataclass(frozen=True)
@@ -237,31 +242,39 @@ def _summary(case: Case, found: Sequence[Found]) -> str:
 
 
 def _draw_curves(path: Path, cases: Sequence[tuple[Case, list[Found]]]) -> None:
-    with figure_file(path, 4.2 * len(cases), 6.0) as figure:
-        grid = figure.subplots(2, len(cases), squeeze=False, sharex="col")
-        for column, (case, found) in enumerate(cases):
-            first = found[: len(SHARES)]
-            for item in first:
-                colour, marker = LOOKS[item.share]
-                reached = [p for p in case.pressures_kpa if p in item.poses]
-                label = f"core off by {100.0 * item.share:g} % of t"
-                bends = [item.poses[p].bend_deg for p in reached]
-                grid[0][column].plot([0.0, *reached], [0.0, *bends], color=colour, marker=marker, label=label)
-                if item.share:
-                    change = [100.0 * (item.tip_mm(p) / first[0].tip_mm(p) - 1.0) for p in reached]
-                    grid[1][column].plot(reached, change, color=colour, marker=marker)
-            for item in found[len(SHARES) :]:
-                bends = [item.poses[p].bend_deg for p in sorted(item.poses)]
-                look = {"marker": "+" if item.level.meridian > 1 else "x", "linestyle": "none", "color": BLUE}
-                grid[0][column].plot(
-                    sorted(item.poses), bends, label=f"the same, {level_label(item.level.name)}", **look
-                )
-            grid[0][column].set_title(Path(case.file).stem.removesuffix("-core-10"), fontsize=10)
-            grid[1][column].set_xlabel("pressure, kPa")
-        grid[0][0].set_ylabel("bend of the tip, degree")
-        grid[1][0].set_ylabel("change of the elongation, %")
-        handles, labels = grid[0][0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper center", ncols=2, frameon=False, fontsize=8)
+    """Draw bend above change of elongation, a column per case."""
+    columns = [(_bends(case, found), _changes(case, found)) for case, found in cases]
+    panels = [list(line) for line in zip(*columns, strict=True)]
+    panels[0][0] = dataclasses.replace(panels[0][0], y_label="bend of the tip, degree")
+    panels[1][0] = dataclasses.replace(panels[1][0], y_label="change of the elongation, %")
+    legend = {**ABOVE, "ncols": 2, "fontsize": 8}
+    draw_panels(path, panels, (4.2 * len(cases), 6.0), legend, sharex="col")
+
+
+def _bends(case: Case, found: Sequence[Found]) -> Panel:
+    """Bend of the tip over the pressure, on the first mesh as lines, on others as marks."""
+    series = []
+    for item in found[: len(SHARES)]:
+        reached = [p for p in case.pressures_kpa if p in item.poses]
+        bends = [item.poses[p].bend_deg for p in reached]
+        label = f"core off by {100.0 * item.share:g} % of t"
+        series.append(Series([0.0, *reached], [0.0, *bends], LOOKS[item.share], label))
+    for item in found[len(SHARES) :]:
+        look = {"marker": "+" if item.level.meridian > 1 else "x", "linestyle": "none", "color": BLUE}
+        reached = sorted(item.poses)
+        label = f"the same, {level_label(item.level.name)}"
+        series.append(Series(reached, [item.poses[p].bend_deg for p in reached], look, label))
+    return Panel(series, title=Path(case.file).stem.removesuffix("-core-10"))
+
+
+def _changes(case: Case, found: Sequence[Found]) -> Panel:
+    """Change of the elongation against the centred core over the pressure."""
+    centred, series = found[0], []
+    for item in found[1 : len(SHARES)]:
+        reached = [p for p in case.pressures_kpa if p in item.poses]
+        change = [100.0 * (item.tip_mm(p) / centred.tip_mm(p) - 1.0) for p in reached]
+        series.append(Series(reached, change, LOOKS[item.share]))
+    return Panel(series, "pressure, kPa")
 
 
 def _draw_shapes(folder: Path, cases: Sequence[tuple[Case, list[Found]]]) -> list[str]:

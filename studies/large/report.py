@@ -12,7 +12,8 @@ import numpy as np
 from studies.large.cell import LargeCell
 from studies.report.numbers import MISSING
 from studies.report.pages import write_page
-from studies.report.style import BLUE, VERMILION, figure_file
+from studies.report.panels import Panel, Series, draw_panels
+from studies.report.style import BLUE, INSIDE, VERMILION
 from studies.report.tables import Table, facts_table
 from studies.results import provenance
 
@@ -155,19 +156,14 @@ def scaling_table(cells: Sequence[LargeCell]) -> Table:
 
 def draw(path: Path, cells: Sequence[LargeCell]) -> None:
     """Time and memory over unknowns, both logarithmic."""
-    with figure_file(path, 8.6, 4.0) as figure:
-        time_axes, memory_axes = figure.subplots(1, 2)
-        for axes, name, label in (
-            (time_axes, "iteration_cpu_s", "set-up and one solve, CPU s"),
-            (memory_axes, "peak_mb", "peak memory, MB"),
-        ):
-            for method, colour in COLOURS.items():
-                mine = sorted((c for c in cells if c.method == method), key=lambda c: c.unknowns)
-                if mine:
-                    at, values = [c.unknowns for c in mine], [float(getattr(c, name)) for c in mine]
-                    axes.loglog(at, values, "o-", color=colour, label=method)
-            axes.set_xlabel("unknowns")
-            axes.set_ylabel(label)
-            axes.grid(True, which="major", alpha=0.3)
-        if cells:
-            time_axes.legend(frameon=False)
+    quantities = {"iteration_cpu_s": "set-up and one solve, CPU s", "peak_mb": "peak memory, MB"}
+    panels: list[Panel] = []
+    for name, label in quantities.items():
+        series = []
+        for method, colour in COLOURS.items():
+            mine = sorted((c for c in cells if c.method == method), key=lambda c: c.unknowns)
+            values = [float(getattr(c, name)) for c in mine]
+            text = "" if panels else method  # one legend says it for both
+            series.append(Series([c.unknowns for c in mine], values, {"color": colour, "marker": "o"}, text))
+        panels.append(Panel(series, "unknowns", label, logarithmic="xy"))
+    draw_panels(path, [panels], (8.6, 4.0), INSIDE)

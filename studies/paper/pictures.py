@@ -6,9 +6,14 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from studies.paper import plots
 from studies.paper.cases import REFERENCE_SCENES
 from studies.paper.numbers import HIGHEST_KPA, finest, is_known, named, tip
+from studies.paper.plots import assumptions, beyond, blocked, elongations, layout, paths, rings
+from studies.paper.plots.assumptions import draw_assumptions
+from studies.paper.plots.beyond import draw_beyond
+from studies.paper.plots.blocked import draw_blocked
+from studies.paper.plots.elongations import draw_conventions, draw_dimensions_matter, draw_elongations
+from studies.paper.plots.rings import draw_rings
 from studies.paper.results import CaseResult, PaperResults
 from studies.report import curves, style
 from studies.report.drawn import key_of, once
@@ -27,14 +32,15 @@ STATES: Final = "states-"
 
 # Plots of all results by the name they have in the page and in the folder.
 _PLOTS: Final[Mapping[str, Callable[[Path, PaperResults], str]]] = {
-    "elongations": plots.draw_elongations,
-    "dimensions": plots.draw_dimensions_matter,
-    "beyond": plots.draw_beyond,
-    "assumptions": plots.draw_assumptions,
-    "blocked": plots.draw_blocked,
-    "conventions": plots.draw_conventions,
-    "rings": plots.draw_rings,
+    "elongations": draw_elongations,
+    "dimensions": draw_dimensions_matter,
+    "beyond": draw_beyond,
+    "assumptions": draw_assumptions,
+    "blocked": draw_blocked,
+    "conventions": draw_conventions,
+    "rings": draw_rings,
 }
+_PLOTTING: Final = (assumptions, beyond, blocked, elongations, layout, paths, rings)
 
 
 def draw_all(folder: Path, results: PaperResults) -> dict[str, str]:
@@ -48,7 +54,7 @@ def draw_all(folder: Path, results: PaperResults) -> dict[str, str]:
     (folder / "pictures").mkdir(parents=True, exist_ok=True)
     found = {}
     hashes = [run.summary.content_hash for case in results.cases for run in case.result.axisymmetric]
-    key = key_of(results.rows, hashes, code=[plots, curves, style])
+    key = key_of(results.rows, hashes, code=[*_PLOTTING, curves, style])
     for name, draw in _PLOTS.items():
         address = f"pictures/{name}.png"
         found[name] = once(folder / address, key, lambda a=address, d=draw: d(folder / a, results)) or address  # type: ignore[misc]

@@ -13,8 +13,13 @@ import pytest
 from matplotlib.figure import Figure
 
 from studies.models.session import SceneResult
-from studies.paper import plots as paper_plots
 from studies.paper.cases import Case, Group, case_text, cases
+from studies.paper.plots import assumptions, beyond, blocked, elongations, rings
+from studies.paper.plots.assumptions import draw_assumptions
+from studies.paper.plots.beyond import draw_beyond
+from studies.paper.plots.blocked import draw_blocked
+from studies.paper.plots.elongations import draw_conventions, draw_dimensions_matter, draw_elongations
+from studies.paper.plots.rings import draw_rings
 from studies.paper.results import CaseResult, PaperResults
 from studies.report.style import figure_file
 from studies.results.files import PathRow, RunSummary
@@ -24,13 +29,13 @@ from studies.scene.bellows import BellowsScene
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
 DRAW = [
-    paper_plots.draw_elongations,
-    paper_plots.draw_dimensions_matter,
-    paper_plots.draw_beyond,
-    paper_plots.draw_assumptions,
-    paper_plots.draw_blocked,
-    paper_plots.draw_conventions,
-    paper_plots.draw_rings,
+    draw_elongations,
+    draw_dimensions_matter,
+    draw_beyond,
+    draw_assumptions,
+    draw_blocked,
+    draw_conventions,
+    draw_rings,
 ]
 # Elongation per kPa of the made-up models, mm.
 SLOPES = {
@@ -162,7 +167,8 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
             figures.append(figure)
             yield figure
 
-    monkeypatch.setattr(paper_plots, "figure_file", keep)
+    for plots in (assumptions, beyond, blocked, elongations, rings):
+        monkeypatch.setattr(plots, "figure_file", keep)
     return figures
 
 
@@ -196,7 +202,7 @@ def test_elongations(tmp_path: Path, drawn: list[Figure]) -> None:
         return made_up(case, past_kpa=10.0 if case.base == "heung-t1-ri7" else math.inf)
 
     found = results("core", "tets", make=make)
-    assert paper_plots.draw_elongations(tmp_path / "x.png", found) == ""
+    assert draw_elongations(tmp_path / "x.png", found) == ""
     assert (tmp_path / "x.png").is_file()
     (figure,) = drawn
     panels = figure.axes
@@ -218,24 +224,24 @@ def test_elongations(tmp_path: Path, drawn: list[Figure]) -> None:
 
 
 def test_a_wide_band_is_not_called_hidden(tmp_path: Path, drawn: list[Figure]) -> None:
-    paper_plots.draw_elongations(tmp_path / "x.png", results("core", make=lambda case: made_up(case, bar_mm=9.0)))
+    draw_elongations(tmp_path / "x.png", results("core", make=lambda case: made_up(case, bar_mm=9.0)))
     assert "axisymmetric ± 9 mm or less" in legend(drawn[0])
 
 
 def test_elongations_without_some(tmp_path: Path, drawn: list[Figure]) -> None:
     found = missing_one(results("core"), "heung-t1-ri7")
-    assert paper_plots.draw_elongations(tmp_path / "x.png", found) == ""
+    assert draw_elongations(tmp_path / "x.png", found) == ""
     assert drawn[0].axes[1].get_title() == "heung-t1-ri7: not run"
     assert not any("tetrahedra" in label for label in legend(drawn[0]))
 
 
 def test_a_path_that_stopped_is_marked(tmp_path: Path, drawn: list[Figure]) -> None:
-    paper_plots.draw_elongations(tmp_path / "x.png", results("core", make=lambda case: made_up(case, stop_kpa=17.0)))
+    draw_elongations(tmp_path / "x.png", results("core", make=lambda case: made_up(case, stop_kpa=17.0)))
     assert curves(drawn[0].axes[0])["axisymmetric: stops at 17.0 kPa (limit point)"] == ([17.0], [85.0])
 
 
 def test_dimensions_matter(tmp_path: Path, drawn: list[Figure]) -> None:
-    assert paper_plots.draw_dimensions_matter(tmp_path / "x.png", results("core", "alternates")) == ""
+    assert draw_dimensions_matter(tmp_path / "x.png", results("core", "alternates")) == ""
     (figure,) = drawn
     assert [len(entries(axes)) for axes in figure.axes] == [3, 3, 3, 3]
     assert entries(figure.axes[3])[2] == "alternate b: $R_i$ 7.5, $R_p$ 10.5, $e$ 6.5, $n$ 8, DS 10"
@@ -244,7 +250,7 @@ def test_dimensions_matter(tmp_path: Path, drawn: list[Figure]) -> None:
 
 
 def test_dimensions_matter_with_one_set(tmp_path: Path, drawn: list[Figure]) -> None:
-    assert paper_plots.draw_dimensions_matter(tmp_path / "x.png", missing_one(results("core"), "heung-t2-ri5")) == ""
+    assert draw_dimensions_matter(tmp_path / "x.png", missing_one(results("core"), "heung-t2-ri5")) == ""
     assert [axes.get_legend() is None for axes in drawn[0].axes] == [False, False, True, False]
 
 
@@ -252,7 +258,7 @@ def test_beyond(tmp_path: Path, drawn: list[Figure]) -> None:
     def make(case: Case) -> CaseResult:
         return made_up(case, stop_kpa=24.0, crossing_kpa=23.0) if "t1" in case.base else made_up(case)
 
-    assert paper_plots.draw_beyond(tmp_path / "x.png", results("beyond", make=make)) == ""
+    assert draw_beyond(tmp_path / "x.png", results("beyond", make=make)) == ""
     (figure,) = drawn
     top, middle, strip = figure.axes
     assert "t = 1 mm, $R_i$ = 5 mm: stops at 24.0 kPa (limit point at 23.0 ± 0.5 kPa)" in legend(figure)
@@ -270,7 +276,7 @@ def test_beyond(tmp_path: Path, drawn: list[Figure]) -> None:
 
 def test_assumptions(tmp_path: Path, drawn: list[Figure]) -> None:
     found = results("core", make=lambda case: measured(made_up(case)))
-    assert paper_plots.draw_assumptions(tmp_path / "x.png", found) == ""
+    assert draw_assumptions(tmp_path / "x.png", found) == ""
     root, _, ring = drawn[0].axes
     dashed = [line for line in root.lines if line.get_linestyle() == "--"]
     dots = [line for line in root.lines if line.get_marker() not in ("None", "")]
@@ -283,7 +289,7 @@ def test_assumptions(tmp_path: Path, drawn: list[Figure]) -> None:
 
 def test_blocked(tmp_path: Path, drawn: list[Figure]) -> None:
     found = results("blocked", make=lambda case: made_up(case, 12.0, cause="bifurcation", crossing_kpa=10.6))
-    assert paper_plots.draw_blocked(tmp_path / "x.png", found) == ""
+    assert draw_blocked(tmp_path / "x.png", found) == ""
     axes = drawn[0].axes[0]
     known = curves(axes)
     assert known["closed form"][1] == pytest.approx([0.0, 0.2, 0.5, 1.0, 1.5, 2.0])
@@ -298,7 +304,7 @@ def test_blocked(tmp_path: Path, drawn: list[Figure]) -> None:
 
 
 def test_conventions(tmp_path: Path, drawn: list[Figure]) -> None:
-    assert paper_plots.draw_conventions(tmp_path / "x.png", results("core", "convention")) == ""
+    assert draw_conventions(tmp_path / "x.png", results("core", "convention")) == ""
     assert len(drawn[0].axes) == 2
     assert list(curves(drawn[0].axes[0])) == [
         "paper: closed form",
@@ -309,7 +315,7 @@ def test_conventions(tmp_path: Path, drawn: list[Figure]) -> None:
         r"axisymmetric, $\mu/\alpha$",
         r"closed form, $\mu/\alpha$",
     ]
-    assert paper_plots.draw_conventions(tmp_path / "y.png", results("convention")) == ""
+    assert draw_conventions(tmp_path / "y.png", results("convention")) == ""
 
 
 def scaled(case: CaseResult, factor: float, seconds: float) -> CaseResult:
@@ -325,7 +331,7 @@ def test_rings(tmp_path: Path, drawn: list[Figure]) -> None:
     def make(case: Case) -> CaseResult:
         return scaled(made_up(case), *known[case.name.split("ring-")[1]])
 
-    assert paper_plots.draw_rings(tmp_path / "x.png", results("rings", make=make)) == ""
+    assert draw_rings(tmp_path / "x.png", results("rings", make=make)) == ""
     (axes,) = drawn[0].axes
     assert axes.get_xscale() == "log"
     joined = [line for line in axes.lines if len(ends(line)[0]) == 3]
@@ -337,4 +343,4 @@ def test_rings(tmp_path: Path, drawn: list[Figure]) -> None:
 
 def test_rings_without_pla(tmp_path: Path) -> None:
     found: Sequence[CaseResult] = [c for c in results("rings").cases if not c.case.name.endswith("pla")]
-    assert "PLA" in paper_plots.draw_rings(tmp_path / "x.png", PaperResults(tuple(found)))
+    assert "PLA" in draw_rings(tmp_path / "x.png", PaperResults(tuple(found)))
