@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
 import numpy as np
@@ -65,7 +66,7 @@ class Rings(Section):
 
 
 class Load(Section):
-    """Cavity pressures at which results are asked, kPa, what the steps between are taken in, and the tip.
+    """Cavity pressures at which results are requested, kPa, what the steps between are taken in, and the tip.
 
     Pressures go away from zero: all positive and ascending, or all negative and descending, a vacuum.
 
@@ -147,7 +148,7 @@ class BellowsScene(Section):
 
     @property
     def pressures_mpa(self) -> tuple[float, ...]:
-        """Asked loads, MPa: pressures, or how far below the outside's where they are negative."""
+        """Requested loads, MPa: pressures, or how far below the outside's where they are negative."""
         return tuple(1e-3 * abs(p) for p in self.load.pressure_kpa)
 
     @property
@@ -170,6 +171,11 @@ def without_eccentricity(scene: BellowsScene) -> BellowsScene:
     if scene.geometry.eccentricity == 0.0:
         return scene
     return scene.model_copy(update={"geometry": scene.geometry.model_copy(update={"eccentricity": 0.0})})
+
+
+def at_pressures(scene: BellowsScene, pressures_kpa: Sequence[float]) -> BellowsScene:
+    """The same scene with other requested pressures."""
+    return scene.model_copy(update={"load": scene.load.model_copy(update={"pressure_kpa": list(pressures_kpa)})})
 
 
 def core_shift_mm(scene: BellowsScene) -> float:

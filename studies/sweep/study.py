@@ -13,7 +13,7 @@ from mpi4py import MPI
 
 from analytical.arrays import FloatArray
 from analytical.bellows import paper
-from studies.closed_form.tables import SILICONES
+from studies.closed_form.chains import SILICONES
 from studies.models.farm import OUTCOME_FILE, REFUSED, TABLE_FILE, SweepOutcome, SweepRow, read_table, run_sweep
 from studies.progress import Progress
 from studies.report.labels import model_label

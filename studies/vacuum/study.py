@@ -11,11 +11,10 @@ import numpy as np
 
 from studies.engine import Page, Setting, Solved, Study
 from studies.models.axisymmetric import run_axisymmetric
-from studies.models.contact import CONTACT_FILE, read_reports
-from studies.models.run_rows import path_rows, run_notes, state_rows
+from studies.models.run_rows import path_rows, requested_rows, run_notes, stops
 from studies.report.tables import Table
 from studies.results import provenance
-from studies.results.rows import REACHED, Row
+from studies.results.rows import Row
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene
 from studies.scene.files import load_bellows
@@ -45,10 +44,9 @@ def scene_rows(out: Path, scene: BellowsScene, runs: Sequence[Run]) -> list[Row]
     """Rows of a scene: its states at each requested pressure, work and loss of stability of each run."""
     rows: list[Row] = []
     for run in runs:
-        contacts = read_reports(folder_of(out, scene, run.summary.level) / CONTACT_FILE)
+        folder = folder_of(out, scene, run.summary.level)
         finest = runs[-1] if run is not runs[-1] else None
-        for pressure in scene.load.pressure_kpa:
-            rows += state_rows(run, pressure, QUANTITIES, "axisymmetric", contacts, finest)
+        rows += requested_rows(run, folder, scene.load.pressure_kpa, QUANTITIES, "axisymmetric", finest)
         rows += path_rows(run, "axisymmetric")
     return rows
 
@@ -77,8 +75,7 @@ def page(solved: Sequence[Solved[BellowsScene, list[Run]]], at: Setting) -> Page
         )
         rows += found
     draw_contractions(at.out / "pictures" / "contractions.png", curves)
-    stopped = [f"{r.scene}, {r.level}, {r.pressure_kpa:g} kPa: {r.status}" for r in rows if r.status != REACHED]
-    return Page(rows, {"sections": sections}, stopped)
+    return Page(rows, {"sections": sections}, stops(rows))
 
 
 STUDY: Final = Study(

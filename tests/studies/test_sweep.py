@@ -18,7 +18,7 @@ import pytest
 from mpi4py import MPI
 
 from solvers.errors import SolverError
-from studies.closed_form.tables import SILICONES
+from studies.closed_form.chains import SILICONES
 from studies.models import axisymmetric
 from studies.models import farm as sweep
 from studies.models.farm import SweepOutcome, SweepRow, read_table, run_sweep, write_table

@@ -10,9 +10,10 @@ from dataclasses import asdict
 import pytest
 from click.testing import CliRunner
 
+from studies.command.study import command_of
 from studies.results.rows import row, write_rows
 from studies.stacks.figures import Figures
-from studies.stacks.study import compare, main
+from studies.stacks.study import STUDY, compare
 
 ROWS = [
     row("a", "tip_mm", "mm", 5.0, "axisymmetric", 50.0, "r2"),
@@ -55,9 +56,13 @@ def test_the_report_says_whether_it_is_met(tmp_path) -> None:
         folder.mkdir()
         write_rows(folder / "rows.csv", rows)
         (folder / "figures.json").write_text(json.dumps(asdict(figures)), encoding="utf-8")
-    for names, code, said in ((folders[:1], 0, ": met."), (folders, 3, "NOT met")):
-        result = CliRunner().invoke(main, [*map(str, names), "--out", str(tmp_path / "out")])
+    for names, code, said in ((folders[:1], 0, "| met |"), (folders, 3, "| NOT MET |")):
+        result = CliRunner().invoke(command_of(STUDY), [*map(str, names), "--out", str(tmp_path / "out")])
         assert result.exit_code == code, result.output
         text = (tmp_path / "out" / "report.md").read_text(encoding="utf-8")
         assert said in text and "compiled, s | 30 / 12" in text and "compiled, s | 400 / 300" in text
         assert (tmp_path / "out" / "report.html").exists()
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    result = CliRunner().invoke(command_of(STUDY), [str(empty), "--out", str(tmp_path / "none")])
+    assert result.exit_code == 2 and "figures.json" in result.output and not (tmp_path / "none").exists()

@@ -1,14 +1,13 @@
 """One point of the study of large bodies, in a process of its own: a Newton iteration's linear algebra by one solver.
 
-``python -m studies.large.cell SCENE AROUND REFINEMENT METHOD FILE``, under mpirun or not; writes FILE as JSON.
+``python -m studies.large.measure SCENE AROUND REFINEMENT METHOD FILE KEY``, under mpirun or not; keeps FILE under KEY.
 """
 
 from __future__ import annotations
 
-import json
 import sys
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -22,7 +21,7 @@ from solvers.paths.path import follow_path
 from solvers.paths.records import PathSettings
 from studies.models.build import revolve_state, scene_problem
 from studies.results import provenance
-from studies.results.files import write_text_atomically
+from studies.results.kept import keep
 from studies.scene.bellows import BellowsScene
 from studies.scene.files import load_bellows
 from studies.scene.meshes import scene_body, scene_meridian
@@ -31,8 +30,8 @@ Method = Literal["direct", "iterative"]
 
 
 @dataclass(frozen=True)
-class LargeCell:
-    """What was measured.
+class Measured:
+    """What was measured of a point.
 
     Attributes
     ----------
@@ -79,12 +78,12 @@ class LargeCell:
         return self.setup_cpu_s + self.solve_cpu_s
 
 
-def measure(scene: BellowsScene, around: int, refinement: int, method: Method, comm: MPI.Comm) -> LargeCell:
+def measure(scene: BellowsScene, around: int, refinement: int, method: Method, comm: MPI.Comm) -> Measured:
     """Set up and solve for the load's direction at a scene's first pressure, on the revolved axisymmetric state.
 
     Returns
     -------
-    LargeCell
+    Measured
         The same on every rank; with ``failure`` if the solver failed.
     """
     flat = None
@@ -120,7 +119,7 @@ def measure(scene: BellowsScene, around: int, refinement: int, method: Method, c
     )
     spent = comm.allreduce(np.array([cpu[1] - cpu[0] - assembly, cpu[-1] - cpu[1]]), op=MPI.SUM)
     modes = linear.excess_negatives if not failure else None
-    return LargeCell(
+    return Measured(
         method=method,
         ranks=comm.size,
         unknowns=problem.index_map.size_global + problem.extra,
@@ -139,11 +138,11 @@ def measure(scene: BellowsScene, around: int, refinement: int, method: Method, c
 
 def main() -> None:
     """Measure the point that the arguments name."""
-    scene, around, refinement, method, file = sys.argv[1:]
+    scene, around, refinement, method, file, key = sys.argv[1:]
     chosen: Method = "iterative" if method == "iterative" else "direct"
     found = measure(load_bellows(Path(scene)), int(around), int(refinement), chosen, MPI.COMM_WORLD)
     if MPI.COMM_WORLD.rank == 0:
-        write_text_atomically(Path(file), json.dumps(asdict(found), indent=1) + "\n")
+        keep(Path(file), key, found)
 
 
 if __name__ == "__main__":
