@@ -149,15 +149,15 @@ study-modes: check ## modes that break the symmetry: from which pressure on, in 
 .PHONY: study-peers
 study-peers: check ## the same bellows in CalculiX, NGSolve, FElupe and the tutorial way; hours -> results/peers
 	$(PY) -m studies.peers.environment
-	$(PY) -m studies.peers.study --out results/peers
+	$(PY) -m studies study peers --out results/peers
 
 .PHONY: study-cost
 study-cost: check ## run time against error of every model, mesh and way of stepping -> results/cost
-	$(PY) -m studies.cost.study --out results/cost
+	$(PY) -m studies study cost --out results/cost
 
 .PHONY: study-error-model
 study-error-model: check ## fit what meshes leave of error and take of time; ten scenes to check it -> results/error-model
-	$(LAUNCH) -m studies.cost.error_fit --out results/error-model
+	$(LAUNCH) -m studies study error-model --out results/error-model
 
 .PHONY: study-branches
 study-branches: check ## paths whose volume turns back, branches beyond buckling, squirm of a blocked bellows -> results/branches
@@ -219,7 +219,7 @@ benchmark-closed-form: check ## evaluations of the closed form per second, one c
 
 .PHONY: benchmark-solver
 benchmark-solver: check ## cost of tangent, factor, iteration, warm and cold start; NP ranks -> results/benchmark-solver
-	$(LAUNCH) -m studies benchmark-solver --out results/benchmark-solver
+	$(LAUNCH) -m studies study benchmark-solver --out results/benchmark-solver
 
 .PHONY: study-dimensions
 study-dimensions: check ## what fits the unprinted dimensions, which three sets are used -> results/dimensions

@@ -41,9 +41,13 @@ STUDIES: Mapping[str, str] = {
     "contact": "studies.contact.study",
     "vacuum": "studies.vacuum.study",
     "stability": "studies.stability.study",
+    "cost": "studies.cost.study",
+    "peers": "studies.peers.study",
+    "error-model": "studies.cost.error_model.study",
     "large": "studies.large.study",
     "stacks": "studies.stacks.study",
     "benchmark-closed-form": "studies.closed_form.speed",
+    "benchmark-solver": "studies.cost.solver_benchmark",
 }
 
 

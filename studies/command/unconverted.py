@@ -131,23 +131,10 @@ def verification_command(out: Path, reuse: Path | None) -> None:
     sys.exit(STOPPED if found.stopped else 0)
 
 
-@click.command("benchmark-solver")
-@OUT
-def benchmark_solver(out: Path) -> None:
-    """Measure tangent, factorisation and Newton iteration of a full body, and its path from warm and from cold."""
-    from studies.cost import solver_benchmark
-
-    check_writable(out)
-    ((checked, _),) = load_scenes((provenance.ROOT / "scenes" / "heung-t2-ri5.toml",))
-    assert isinstance(checked, BellowsScene)
-    say("\n".join(solver_benchmark.run(checked, out)))
-
-
 COMMANDS = (
     paper,
     sweep_study_command,
     smoke,
     exact_command,
     verification_command,
-    benchmark_solver,
 )
