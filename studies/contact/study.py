@@ -27,11 +27,10 @@ from studies.report.numbers import number_text
 from studies.report.pages import write_page
 from studies.report.tables import Column, Table, pivot, pressure_of, table_of
 from studies.results import provenance
-from studies.results.files import PathRow, read_summary
+from studies.results.files import PathRow, load_state, read_summary
 from studies.results.measures import find_places, largest_stretches
 from studies.results.rows import REACHED, Row, row, write_rows
 from studies.results.runs import Run
-from studies.results.states import load_state
 from studies.scene.bellows import BellowsScene, Contact
 from studies.scene.files import load_bellows
 

@@ -20,12 +20,11 @@ from solvers.paths.records import PathSettings, PathState
 from studies.cost.cells import Cell, Measurement, cell_scene
 from studies.models.axisymmetric import run_axisymmetric
 from studies.models.body import run_simple_body
-from studies.models.build import masses_g, scene_problem
+from studies.models.build import Tip, masses_g, scene_problem
 from studies.models.closed_form import run_closed_form
 from studies.models.full3d import run_full3d
 from studies.models.gaps import GapMeter
 from studies.models.run_log import Log, begin, path_row
-from studies.models.tip import Tip
 from studies.planning.levels import BodyLevel, body_level, fineness
 from studies.progress import Progress
 from studies.results import provenance

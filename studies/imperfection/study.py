@@ -19,8 +19,8 @@ import numpy as np
 from mpi4py import MPI
 
 from studies.models.axisymmetric import run_axisymmetric
+from studies.models.build import TipPose, tip_pose
 from studies.models.full3d import run_full3d
-from studies.models.tip import TipPose, tip_pose
 from studies.planning.levels import BodyLevel
 from studies.progress import Progress
 from studies.report.labels import level_label
@@ -31,9 +31,9 @@ from studies.report.pictures.bent import Bent, draw_bent
 from studies.report.style import ABOVE, BLACK, BLUE, ORANGE, VERMILION
 from studies.report.tables import Table, facts_table
 from studies.results import provenance
+from studies.results.files import load_state
 from studies.results.rows import REACHED, Row, row, write_rows
-from studies.results.runs import Run
-from studies.results.states import load_state
+from studies.results.runs import Run, tip_at
 from studies.scene.bellows import BellowsScene, core_shift_mm
 from studies.scene.files import load_bellows
 from studies.scene.meshes import scene_body, scene_meridian
@@ -79,10 +79,7 @@ class Found:
 
     def tip_mm(self, pressure_kpa: float) -> float:
         """Elongation at a requested pressure; NaN if it was not reached."""
-        asked = (
-            r.tip_mm for r in self.run.path if r.status == "requested" and math.isclose(r.pressure_kpa, pressure_kpa)
-        )
-        return next(asked, math.nan)
+        return tip_at(self.run, pressure_kpa)
 
 
 def scene_of(case: Case, share: float) -> BellowsScene:
@@ -163,12 +160,9 @@ def _rows_at(item: Found, pressure: float, first: Sequence[Found]) -> list[Row]:
             row(name, f"tip_{quantity}", unit, pressure, "full3d", value, level, reference=wanted, source=why,
                 status=status)
         )  # fmt: skip
-    modes = [
-        r.unstable_modes for r in item.run.path if r.status == "requested" and math.isclose(r.pressure_kpa, pressure)
-    ]
-    rows.append(
-        row(name, "unstable_modes", "", pressure, "full3d", modes[0] if modes else math.nan, level, status=status)
-    )
+    state = item.run.at(pressure)
+    modes = state.unstable_modes if state else math.nan
+    rows.append(row(name, "unstable_modes", "", pressure, "full3d", modes, level, status=status))
     return rows
 
 

@@ -25,11 +25,9 @@ from solvers.state import State
 from studies.models.body_problem import Body, body_of, enclosed_mm3, measures, problem_of
 from studies.models.run_log import Log, begin, on_first_rank, path_row, without_fields, write_fields
 from studies.progress import Progress
-from studies.results.body_rows import LIMIT_VOLUME
-from studies.results.files import PathRow
+from studies.results.files import PathRow, load_state
 from studies.results.runs import MEASURED_FILE, Run, finished_run, run_hash, write_measured
-from studies.results.states import load_state
-from studies.scene.bodies import BodyScene
+from studies.scene.bodies import LIMIT_VOLUME, BodyScene
 from studies.scene.body_geometry import CylinderGeometry
 
 # A target no pressure reaches lets the path go on by volume.

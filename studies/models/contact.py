@@ -6,8 +6,6 @@ anew with contact from the last open one.
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -24,7 +22,8 @@ from solvers.paths.records import PathState
 from solvers.problem import Problem
 from solvers.state import State
 from studies.models.gaps import GapMeter, Touch
-from studies.results.files import PathRow, write_text_atomically
+from studies.results.files import PathRow
+from studies.results.records import read_lines, write_lines
 from studies.scene.bellows import BellowsScene, shape_of
 from studies.scene.materials import law_of
 
@@ -173,16 +172,10 @@ def write_reports(path: Path, pressure_kpa: float, reports: tuple[PairReport, ..
     key = f"{pressure_kpa:.6g}"
     rows = [row for row in read_reports(path) if row["pressure_kpa"] != key]
     rows += [{"pressure_kpa": key, **{k: str(v) for k, v in asdict(report).items()}} for report in reports]
-    out = io.StringIO()
-    writer = csv.DictWriter(out, ["pressure_kpa", "what", "gap_mm", "force_n", "places"], lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    write_text_atomically(path, out.getvalue())
+    header = ["pressure_kpa", "what", "gap_mm", "force_n", "places"]
+    write_lines(path, header, ([row[name] for name in header] for row in rows))
 
 
 def read_reports(path: Path) -> list[dict[str, str]]:
     """Rows of such a table; none if it is not there."""
-    if not path.exists():
-        return []
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+    return read_lines(path) if path.exists() else []

@@ -7,8 +7,6 @@ that was killed goes on.
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 import time
@@ -32,6 +30,7 @@ from studies.progress import Progress
 from studies.results import provenance
 from studies.results.bellows_rows import bellows_rows
 from studies.results.files import write_text_atomically
+from studies.results.records import field_text, field_value, read_lines, write_lines
 from studies.results.rows import REACHED, Row, difference_percent
 from studies.results.runs import Run, finished_run
 from studies.scene.bellows import BellowsScene, dimensions_of
@@ -322,26 +321,22 @@ _PLAIN = [f for f in fields(SweepRow) if f.name not in ("scene", "values")]
 
 def write_table(path: Path, rows: Sequence[SweepRow]) -> None:
     """Write sweep.csv: the scene, the swept keys, then the fields of `SweepRow`; numbers with nine digits."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(["scene", *rows[0].values, *(f.name for f in _PLAIN)])
-    for row in rows:
-        plain = [getattr(row, f.name) for f in _PLAIN]
-        writer.writerow([row.scene, *map(value_text, row.values.values()), *map(_field_text, plain)])
-    write_text_atomically(path, stream.getvalue())
+    header = ["scene", *rows[0].values, *(f.name for f in _PLAIN)]
+    lines = (
+        [row.scene, *map(value_text, row.values.values()), *(field_text(getattr(row, f.name), 9) for f in _PLAIN)]
+        for row in rows
+    )
+    write_lines(path, header, lines)
 
 
 def read_table(path: Path) -> list[SweepRow]:
     """Read what `write_table` has written."""
-    plain = {f.name: str(f.type) for f in _PLAIN}
+    plain = {f.name: f.type for f in _PLAIN}
     found = []
-    with path.open(newline="", encoding="utf-8") as stream:
-        for entry in csv.DictReader(stream):
-            values = {k: _value(v) for k, v in entry.items() if k not in plain and k != "scene"}
-            known: dict[str, Any] = {
-                k: (float(v) if v else math.nan) if plain[k] == "float" else v for k, v in entry.items() if k in plain
-            }
-            found.append(SweepRow(entry["scene"], values, **known))
+    for entry in read_lines(path):
+        values = {k: _value(v) for k, v in entry.items() if k not in plain and k != "scene"}
+        known = {k: field_value(plain[k], v) for k, v in entry.items() if k in plain}
+        found.append(SweepRow(entry["scene"], values, **known))
     return found
 
 
@@ -357,9 +352,3 @@ def _value(text: str) -> Any:
         return json.loads(text) if text else None
     except ValueError:
         return text
-
-
-def _field_text(value: float | str) -> str:
-    if isinstance(value, str):
-        return value
-    return "" if math.isnan(value) else f"{value:.9g}"

@@ -18,14 +18,13 @@ from solvers.paths.records import GuessMemory, PathSettings
 from solvers.paths.records import Path as EquilibriumPath
 from solvers.paths.warm_start import follow_guesses
 from solvers.state import State
-from studies.models.build import masses_g, revolve_state, scene_problem
+from studies.models.build import Tip, masses_g, revolve_state, scene_problem
 from studies.models.gaps import GapMeter
 from studies.models.run_log import Log, begin, path_row, without_fields, write_fields
-from studies.models.tip import Tip
 from studies.planning.levels import BodyLevel
 from studies.progress import Progress
+from studies.results.files import load_state
 from studies.results.runs import Run, finished_run, run_hash
-from studies.results.states import load_state
 from studies.scene.bellows import BellowsScene, core_shift_mm
 from studies.scene.meshes import SECTORS, scene_body, scene_meridian
 

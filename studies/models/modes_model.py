@@ -7,9 +7,7 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from meshes.revolve import revolve
 from meshes.solid import FACETS, SolidMesh
-from meshes.sweep import revolve_hexahedra
 from solvers.assembly.surfaces import Surfaces
 from solvers.problem import Problem
 from studies.models.axisymmetric import run_axisymmetric
@@ -70,10 +68,6 @@ class ModesModel:
         if isinstance(scene, BodyScene):
             return problem_of(scene, body_of(scene, "axisymmetric", f"r{refinement}"), MPI.COMM_SELF)
         return scene_problem(scene, scene_meridian(scene, refinement), MPI.COMM_SELF)
-
-    def body(self, meridian: SolidMesh, around: int) -> SolidMesh:
-        """The body of revolution of a meridian, with so many cells round."""
-        return (revolve_hexahedra if meridian.cell.name == "quadrilateral" else revolve)(meridian, around)
 
     def body_problem(self, body: SolidMesh) -> Problem:
         """The body's problem, held as the meridian is.

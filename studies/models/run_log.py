@@ -26,14 +26,22 @@ from solvers.paths.checkpoint import CheckpointError, read_checkpoint, write_che
 from solvers.paths.records import Crossing, GuessMemory, PathMemory, PathState
 from solvers.paths.records import Path as EquilibriumPath
 from solvers.problem import Problem
+from studies.models.build import Tip
 from studies.models.contact import ContactWatch
 from studies.models.gaps import GapMeter, Touch
-from studies.models.tip import Tip
 from studies.progress import Progress
 from studies.results import provenance
-from studies.results.files import PathRow, RunSummary, write_path, write_summary
+from studies.results.files import (
+    PathRow,
+    RunSummary,
+    field_file,
+    load_state,
+    save_state,
+    write_collection,
+    write_path,
+    write_summary,
+)
 from studies.results.runs import Run, run_hash
-from studies.results.states import field_file, load_state, save_state, write_collection
 from studies.scene.files import Scene
 
 CHECKPOINT_FILE, MODE_FILE = "checkpoint.npz", "critical_mode"

@@ -9,9 +9,8 @@ import numpy as np
 
 from studies.models.contact import MODELLED
 from studies.models.run_log import CONTACT
-from studies.results.files import PathRow
 from studies.results.rows import Row, row
-from studies.results.runs import Run
+from studies.results.runs import Run, stopped_text
 
 # Name and unit of what a state has, in the order of its rows.
 STATE_QUANTITIES: Mapping[str, str] = {
@@ -24,20 +23,6 @@ STATE_QUANTITIES: Mapping[str, str] = {
     "unstable_modes": "1",
     "min_det_f": "1",
 }
-
-
-def requested_state(run: Run, pressure_kpa: float) -> PathRow | None:
-    """The requested state of a run at a pressure; None if it was not reached."""
-    for entry in run.path:
-        if entry.status == "requested" and math.isclose(entry.pressure_kpa, pressure_kpa, rel_tol=1e-9):
-            return entry
-    return None
-
-
-def stopped_text(run: Run) -> str:
-    """Status of what a run did not reach."""
-    last = run.path[-1].pressure_kpa if run.path else 0.0
-    return f"stopped at {last:.3f} kPa: {run.summary.reason}"
 
 
 def state_rows(
@@ -57,19 +42,19 @@ def state_rows(
     finest
         The run whose state is the reference of the first quantity.
     """
-    summary, found = run.summary, requested_state(run, pressure_kpa)
+    summary, found = run.summary, run.at(pressure_kpa)
     if found is None:
         name = quantities[0]
         return [
             row(summary.scene, name, STATE_QUANTITIES[name], pressure_kpa, model, math.nan, summary.level,
-                status=stopped_text(run))
+                status=stopped_text(run, ".3f"))
         ]  # fmt: skip
     here = [c for c in contacts if math.isclose(float(c["pressure_kpa"]), pressure_kpa, rel_tol=1e-5)]
     touching = {
         "contact_force_n": sum(float(c["force_n"]) for c in here),
         "touching_places": float(sum(int(c["places"]) for c in here)),
     }
-    other = requested_state(finest, pressure_kpa) if finest is not None else None
+    other = finest.at(pressure_kpa) if finest is not None else None
     rows = []
     for name in quantities:
         value = touching[name] if name in touching else float(getattr(found, name))

@@ -17,6 +17,7 @@ from studies.models.build import revolve_state
 from studies.models.modes import FoundCrossing, read_shape
 from studies.models.modes_model import ModesModel
 from studies.results.rows import Row, row
+from studies.scene.meshes import revolved
 
 # Counts are compared this share below and above the crossing: if both agree, so do the loads, within this share.
 BAND = 0.005
@@ -50,7 +51,7 @@ def confirm_rows(model: ModesModel, folder: Path, crossing: FoundCrossing, aroun
     """
     refinement = 1
     meridian = model.meridian(refinement)
-    body = model.body(meridian, around)
+    body = revolved(meridian, around)
     flat, solid = model.problem(refinement), model.body_problem(body)
     flat_factor, solid_factor, counter = Factor(flat), Factor(solid), ModeCounter(flat)
     start, _ = read_shape(folder, crossing.waves)

@@ -22,7 +22,7 @@ from studies.progress import Progress
 from studies.results import provenance
 from studies.results.body_rows import CORNER_ORDER
 from studies.results.rows import Row, is_reached, row, write_rows
-from studies.results.runs import MERIDIAN_ORDER, Run
+from studies.results.runs import MERIDIAN_ORDER, Run, stopped_text
 from studies.results.uncertainty import UNKNOWN, Convergence, from_two
 from studies.scene.bodies import BodyScene
 from studies.scene.files import load_scene
@@ -68,8 +68,7 @@ class SceneModes:
     def reached(self) -> bool:
         """True if every run reached every requested pressure and was counted there."""
         return all(
-            run.summary.status == "reached" and all(row.unstable_by_m for row in run.path if row.status == "requested")
-            for run in self.runs
+            run.summary.status == "reached" and all(row.unstable_by_m for row in run.requested) for run in self.runs
         )
 
 
@@ -123,12 +122,10 @@ def _count_rows(model: ModesModel, runs: Sequence[Run]) -> list[Row]:
     rows = []
     for pressure in model.scene.loads_kpa:
         for run in runs:
-            here = [
-                r for r in run.path if r.status == "requested" and math.isclose(r.pressure_kpa, pressure, rel_tol=1e-9)
-            ]
-            counts = counts_of(here[0]) if here else ()
+            here = run.at(pressure)
+            counts = counts_of(here) if here else ()
             for m in WAVES:
-                value, status = math.nan, f"stopped at {run.path[-1].pressure_kpa:.6g} kPa: {run.summary.reason}"
+                value, status = math.nan, stopped_text(run, ".6g")
                 if counts:
                     value, status = float(counts[m]), "reached"
                 name = f"unstable_m{m}"

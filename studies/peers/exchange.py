@@ -19,7 +19,7 @@ from meshes.quality import jacobians
 from meshes.revolve import revolve
 from meshes.solid import FACETS, REGIONS, FloatArray, IntArray, SolidMesh
 from meshes.sweep import revolve_hexahedra
-from studies.models.tip import Tip
+from studies.models.build import Tip
 from studies.scene.bellows import BellowsScene, ring_material, ring_shape, shape_of
 from studies.scene.materials import law_of
 

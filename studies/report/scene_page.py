@@ -14,8 +14,7 @@ from studies.report.scene_report import SceneReport
 from studies.report.scenes import write_report
 from studies.results import provenance
 from studies.results.closed_form_rows import validity_notes
-from studies.results.files import PathRow
-from studies.results.states import field_files, load_state
+from studies.results.files import PathRow, field_files, load_state
 from studies.scene.bellows import BellowsScene, shape_of
 from studies.scene.files import load_bellows
 

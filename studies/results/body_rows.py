@@ -9,7 +9,7 @@ from studies.results.exact_answers import exact_crossing_kpa, known_value
 from studies.results.rows import REACHED, Row, row
 from studies.results.runs import Run, run_convergence, state_rows, value_status
 from studies.results.uncertainty import Convergence
-from studies.scene.bodies import BodyScene
+from studies.scene.bodies import LIMIT_VOLUME, BodyScene
 from studies.scene.body_geometry import TubeGeometry
 
 # Order to expect: quadratic displacements have an error of the third; where an end is held the wall has corners, and
@@ -19,9 +19,6 @@ UNITS = {"volume_mm3": "mm3", "torque_nmm": "N mm", "axial_force_n": "N"}
 CHECKS = {"unstable_modes": "1", "min_det_f": "1"}
 # What is read off whole paths, not at single loads; all in kPa.
 OF_PATHS = ("limit_kpa", "crossing_kpa")
-# A limit point is looked for until the cavity is this many times its unloaded volume: inner stretches of 2 (sphere) and
-# 2.8 (tube), where the laws of the reference actuators have long stiffened.
-LIMIT_VOLUME = 8.0
 
 
 def body_rows(scene: BodyScene, runs: Sequence[Run]) -> list[Row]:

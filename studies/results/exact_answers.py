@@ -107,7 +107,7 @@ def _ring_bore(scene: BodyScene, body: tube.Tube, load: float) -> Answer:
         return NONE
 
     def outside(inner_mm: float) -> float:
-        """Pressure outside, negative as in analytical.exact.tube, as it is given in the scene."""
+        """Pressure outside, negative as in analytical.tube, as it is given in the scene."""
         pressure = tube.pressure_at_inner_radius_mpa(body, law, inner_mm)
         if scene.load_kind == "external":
             return pressure

@@ -13,10 +13,10 @@ from analytical.bellows.chains import closed_form
 from analytical.bellows.dimensions import BellowsError
 from analytical.bellows.loads import held_tip
 from studies.planning.levels import fineness
+from studies.results.files import load_state
 from studies.results.measures import UNITS, Measured, find_places, measure
 from studies.results.rows import Row, row
 from studies.results.runs import MERIDIAN_ORDER, Run, run_convergence
-from studies.results.states import load_state
 from studies.scene.bellows import BellowsScene, dimensions_of
 from studies.scene.materials import law_of
 
@@ -134,9 +134,7 @@ def _compared(
         reference, source = compared
         rows.append(row(scene, quantity, unit, pressure, "closed_form", model, reference=reference, source=source))
     for entry in found:
-        reference, source = (math.nan, entry.place) if entry is finest else compared
-        rows.append(
-            row(scene, quantity, unit, pressure, "axisymmetric", entry.value, entry.run.summary.level,
-                bound.uncertainty(entry.value), reference, source, entry.status)
-        )  # fmt: skip
+        against = (math.nan, entry.place) if entry is finest else compared
+        at = (scene, quantity, unit, pressure, "axisymmetric", entry.value, entry.run.summary.level)
+        rows.append(row(*at, bound.uncertainty(entry.value), *against, entry.status))
     return rows

@@ -1,6 +1,6 @@
 """The closed form's assumptions, measured in the axisymmetric states of a scene.
 
-What a state is measured for, and beside it what the closed form (`bellows.chains`, corrected chain) says of the same:
+What a state is measured for, and what the closed form (`analytical.chains`, corrected chain) says of the same:
 
 ============================  ====  ===================================================================================
 ``root_stretch_outer``        1     hoop stretch of the roots' outside at their throat; the model's lambda_y

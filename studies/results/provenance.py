@@ -118,7 +118,6 @@ def code_hash() -> str:
         "models/gaps.py",
         "models/modes.py",
         "models/run_log.py",
-        "models/tip.py",
         "scene/bellows.py",
         "scene/bodies.py",
         "scene/materials.py",

@@ -108,8 +108,11 @@ def of_model(runs: Sequence[Run], model: str) -> tuple[Run, ...]:
 
 def value_status(run: Run, value: float, digits: str = ".2f") -> str:
     """``reached``, or where and why the run stopped before it had a value."""
-    if not math.isnan(value):
-        return REACHED
+    return stopped_text(run, digits) if math.isnan(value) else REACHED
+
+
+def stopped_text(run: Run, digits: str = ".2f") -> str:
+    """Where and why a run stopped, as a status."""
     last = run.path[-1].pressure_kpa if run.path else 0.0
     return f"stopped at {last:{digits}} kPa: {run.summary.reason}"
 

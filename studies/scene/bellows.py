@@ -65,7 +65,7 @@ class Rings(Section):
 
 
 class Load(Section):
-    """Cavity pressures at which results are asked, kPa, what the steps between are taken in, and the tip.
+    """Cavity pressures at which results are requested, kPa, what the steps between are taken in, and the tip.
 
     Pressures go away from zero: all positive and ascending, or all negative and descending, a vacuum.
 
@@ -147,7 +147,7 @@ class BellowsScene(Section):
 
     @property
     def pressures_mpa(self) -> tuple[float, ...]:
-        """Asked loads, MPa: pressures, or how far below the outside's where they are negative."""
+        """Requested loads, MPa: pressures, or how far below the outside's where they are negative."""
         return tuple(1e-3 * abs(p) for p in self.load.pressure_kpa)
 
     @property

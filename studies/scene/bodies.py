@@ -62,12 +62,14 @@ Quantity = Literal[
     "apex_outside_mm",
 ]
 
-
+# A limit point is looked for until the cavity is this many times its unloaded volume: inner stretches of 2 (sphere) and
+# 2.8 (tube), where the laws of the reference actuators have long stiffened.
+LIMIT_VOLUME = 8.0
 LOAD_LISTS = ("pressure_kpa", "tension_kpa", "traction_kpa")
 
 
 class BodyLoad(Section):
-    """Load at which results are asked, kPa, ascending.
+    """Load at which results are requested, kPa, ascending.
 
     ``kind``: ``cavity``, a pressure from inside; ``external``, one from outside, both following the surface; ``dead``,
     fixed in size per undeformed area and in direction: a pressure from outside on a ring, a tension on a block, a shear
@@ -99,7 +101,7 @@ class BodyAsk(Section):
 
 
 KINDS = tuple(get_args(g.model_fields["kind"].annotation)[0] for g in get_args(Geometry))
-# What may be asked of a kind, the first unless something else is asked; and how it may be loaded, the first if unsaid.
+# What may be requested of a kind, by default the first; and how it may be loaded, the first if unsaid.
 QUANTITIES: dict[str, tuple[Quantity, ...]] = {
     "tube": ("bore_mm", "limit_kpa"),
     "sphere": ("bore_mm", "limit_kpa"),
@@ -134,7 +136,7 @@ class BodyScene(Section):
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """What is asked."""
+        """What is requested."""
         usual = QUANTITIES[self.geometry.kind]
         return tuple(self.ask.quantities or (usual if self.geometry.kind in ("cylinder", "ventricle") else usual[:1]))
 
@@ -145,7 +147,7 @@ class BodyScene(Section):
 
     @property
     def loads_kpa(self) -> tuple[float, ...]:
-        """Asked pressures, tensions or tractions, kPa; 0 where a twist takes their place."""
+        """Requested pressures, tensions or tractions, kPa; 0 where a twist takes their place."""
         if self.geometry.kind == "cylinder":
             return (0.0,)
         return tuple(self.load.pressure_kpa or self.load.tension_kpa or self.load.traction_kpa or ())

@@ -44,10 +44,21 @@ def scene_body(meridian: SolidMesh, model: str, around: int, core_shift_mm: floa
         if parts > 1:
             raise GeometryError("a sector of a body whose core is off the axis: take full3d")
         return shift_core(scene_body(meridian, model, around), meridian, core_shift_mm)
-    if meridian.cell.name == "quadrilateral":
-        if around % parts:
-            raise GeometryError(f"cells round the circumference = {around}: must be a multiple of {parts} in a sector")
-        return revolve_hexahedra(meridian, around // parts, FULL_CIRCLE / parts)
-    if parts > 1:
+    if meridian.cell.name != "quadrilateral" and parts > 1:
         raise GeometryError('a sector is meshed in hexahedra: set mesh.element = "hex" or "auto", and rigid rings')
+    if around % parts:
+        raise GeometryError(f"cells round the circumference = {around}: must be a multiple of {parts} in a sector")
+    return revolved(meridian, around, parts)
+
+
+def revolved(meridian: SolidMesh, around: int, parts: int = 1) -> SolidMesh:
+    """A meridian's body of revolution, or one of so many sectors of it, which takes quadrilaterals.
+
+    Parameters
+    ----------
+    around
+        Cells in the whole circle.
+    """
+    if meridian.cell.name == "quadrilateral":
+        return revolve_hexahedra(meridian, around // parts, FULL_CIRCLE / parts)
     return revolve(meridian, around)

@@ -8,7 +8,7 @@ A sweep is a TOML file::
     [vary]                              # dotted keys of the scene, a list of values each
     geometry.wall_mm = [1.0, 1.5]       # whole tables may be values too: material = [{ law = ... }, { law = ... }]
 
-    [ask]                               # what is asked of every scene; default: what the base asks
+    [ask]                               # what is requested of every scene; default: as in the base
     pressure_kpa = [5.0, 10.0]
     tolerance_percent = 2.0
 
@@ -38,7 +38,7 @@ _NOT_VARIED = ("name", "ask.fields")
 
 
 class SweepAsk(Section):
-    """What is asked of every scene; None leaves what the base asks."""
+    """What is requested of every scene; None leaves it as it is in the base."""
 
     pressure_kpa: list[float] | None = None
     tolerance_percent: float | None = None
@@ -89,11 +89,11 @@ def read_sweep(file: Path) -> list[Variant]:
     sweep = validated(SweepFile, read_toml(file), file, _faults)
     base = _base_file(file, sweep.base)
     named, text = load_bellows(base).name, base.read_text(encoding="utf-8")
-    asked: dict[str, Any] = {"ask.fields": False}
+    requested: dict[str, Any] = {"ask.fields": False}
     if sweep.ask.pressure_kpa is not None:
-        asked["load.pressure_kpa"] = sweep.ask.pressure_kpa
+        requested["load.pressure_kpa"] = sweep.ask.pressure_kpa
     if sweep.ask.tolerance_percent is not None:
-        asked["ask.tolerance_percent"] = sweep.ask.tolerance_percent
+        requested["ask.tolerance_percent"] = sweep.ask.tolerance_percent
     blocks = _blocks(sweep)
     keys = list(dict.fromkeys(key for block in blocks for key in block))
     found: dict[str, Variant] = {}
@@ -101,7 +101,7 @@ def read_sweep(file: Path) -> list[Variant]:
         for values in _combinations(block, sweep.combine):
             changes = dict(zip(block, values, strict=True))
             name = f"{named[:60]}-{_digest(changes)}"
-            found.setdefault(name, _variant(name, text, {**changes, **asked}, keys))
+            found.setdefault(name, _variant(name, text, {**changes, **requested}, keys))
     refusals = dict.fromkeys(variant.refusal for variant in found.values())
     if all(refusals):
         raise SceneError("\n".join(f"{file}: every scene is refused: {reason}" for reason in refusals))

@@ -38,8 +38,7 @@ from solvers.paths.path import follow_path
 from solvers.paths.records import PathSettings
 from solvers.problem import Problem
 from solvers.state import State, combine, pressure_at_corners
-from studies.models.build import scene_problem
-from studies.models.tip import Tip
+from studies.models.build import Tip, scene_problem
 from studies.results import provenance
 from studies.results.runs import MERIDIAN_ORDER
 from studies.results.uncertainty import convergence, from_two

@@ -15,10 +15,9 @@ from solvers.equilibrium.forces import reaction
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.linear.factor import Factor
 from studies.models.axisymmetric import run_axisymmetric
-from studies.models.build import scene_problem
+from studies.models.build import Tip, scene_problem
 from studies.models.contact import CONTACT_FILE, LIMIT, MODELLED, read_reports, scene_contact
 from studies.models.run_log import CONTACT, Log
-from studies.models.tip import Tip
 from studies.progress import Progress
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene, Contact

@@ -14,7 +14,7 @@ from meshes.errors import GeometryError
 from solvers.state import State
 from studies.__main__ import main
 from studies.imperfection.study import Case, run_study, write_report
-from studies.models.tip import tip_pose
+from studies.models.build import tip_pose
 from studies.planning.levels import BodyLevel
 from studies.planning.planner import describe, make_plan
 from studies.results.rows import read_rows
