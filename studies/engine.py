@@ -34,6 +34,10 @@ ROWS_FILE = "rows.csv"
 # Studies in the order of a reader's questions, and the module that has each as STUDY.
 STUDIES: Mapping[str, str] = {
     "vacuum": "studies.vacuum.study",
+    "sweep": "studies.sweep.study",
+    "exact": "studies.verification.exact",
+    "verification": "studies.verification.study",
+    "smoke": "studies.smoke.study",
 }
 
 
@@ -192,8 +196,26 @@ def run(study: Study[CaseT, ResultT], out: Path, comm: MPI.Comm, options: Mappin
     setting = Setting(out, comm, Progress(comm), options)
     faults = list(study.prepare(cases, setting)) if study.prepare else []
     solved, more = solve_cases(study, cases, setting)
-    code = first(comm, lambda: _write(study, solved, [*faults, *more], setting, time.perf_counter() - begin))
+    code = first(comm, lambda: _write(study, solved, [*faults, *more], setting, begin))
     return code
+
+
+def render(study: Study[CaseT, ResultT], out: Path, solved: Sequence[Solved[CaseT, ResultT]] = ()) -> int:
+    """Write rows and page anew without solving; one rank calls.
+
+    Parameters
+    ----------
+    solved
+        What has been solved before; nothing for a study whose page reads its folder.
+
+    Returns
+    -------
+    int
+        Exit code, as of `run`.
+    """
+    (out / "pictures").mkdir(parents=True, exist_ok=True)
+    setting = Setting(out, MPI.COMM_SELF, Progress(MPI.COMM_SELF), {})
+    return _write(study, solved, (), setting, time.perf_counter())
 
 
 def solve_cases(
@@ -248,7 +270,7 @@ def _write(
     solved: Sequence[Solved[CaseT, ResultT]],
     faults: Sequence[str],
     setting: Setting,
-    wall_s: float,
+    begin: float,
 ) -> int:
     """Rows, page, and what the terminal is told; returns the exit code."""
     page = study.page(solved, setting)
@@ -261,7 +283,7 @@ def _write(
         "question": study.question,
         "stopped": stopped,
         "bars": bars_table(page.bars),
-        "wall": duration(wall_s),
+        "wall": duration(time.perf_counter() - begin),
         "provenance": stamp_table(setting.comm),
     }
     report = write_page(setting.out, study.template, {**facts, **page.content})
