@@ -132,7 +132,7 @@ study-paper-audit: check ## the same, and finer meshes that must lie within its 
 
 .PHONY: study-sweep
 study-sweep: check ## elongation over R_i, t and n; where the closed form misleads a designer -> results/sweep
-	$(LAUNCH) -m studies sweep-study --out results/sweep
+	$(LAUNCH) -m studies study sweep --out results/sweep
 
 .PHONY: sweep
 sweep: check ## run all scenes of SWEEP, a sweep file -> results/sweeps/NAME
@@ -177,7 +177,7 @@ study-vacuum: check ## scenes/vacuum: what bellows contract to, with contact of 
 
 .PHONY: study-smoke
 study-smoke: check ## two convolutions by every model, in a minute -> results/study-smoke
-	$(LAUNCH) -m studies smoke --out results/study-smoke
+	$(LAUNCH) -m studies study smoke --out results/study-smoke
 
 .PHONY: batch
 batch: check ## run SCENES (default scenes/*.toml) -> results/batch
@@ -189,11 +189,11 @@ report: check ## render the report of results/paper again from its runs
 
 .PHONY: study-exact
 study-exact: check ## bodies with exact answers, every model of each -> results/exact
-	$(LAUNCH) -m studies exact --out results/exact
+	$(LAUNCH) -m studies study exact --out results/exact
 
 .PHONY: study-verification
 study-verification: check ## table of every exact and published problem -> results/verification
-	$(LAUNCH) -m studies verification --out results/verification --reuse results/exact
+	$(LAUNCH) -m studies study verification --out results/verification --reuse results/exact
 
 .PHONY: study-large
 study-large: check ## direct and iterative linear algebra over size, 25 minutes at most -> results/large

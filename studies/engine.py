@@ -33,14 +33,18 @@ ROWS_FILE = "rows.csv"
 
 # Studies in the order of a reader's questions, and the module that has each as STUDY.
 STUDIES: Mapping[str, str] = {
+    "smoke": "studies.smoke.study",
     "closed-form": "studies.closed_form.study",
     "dimensions": "studies.dimensions.study",
+    "sweep": "studies.sweep.study",
+    "exact": "studies.verification.exact",
+    "verification": "studies.verification.study",
+    "stability": "studies.stability.study",
     "modes": "studies.modes.study",
     "branches": "studies.branches.study",
     "imperfection": "studies.imperfection.study",
     "contact": "studies.contact.study",
     "vacuum": "studies.vacuum.study",
-    "stability": "studies.stability.study",
     "cost": "studies.cost.study",
     "peers": "studies.peers.study",
     "error-model": "studies.cost.error_model.study",
@@ -211,6 +215,24 @@ def run(study: Study[CaseT, ResultT], out: Path, comm: MPI.Comm, options: Mappin
     solved, more = solve_cases(study, cases, setting)
     code = first(comm, lambda: _write(study, solved, [*faults, *more], setting, begin))
     return code
+
+
+def render(study: Study[CaseT, ResultT], out: Path, solved: Sequence[Solved[CaseT, ResultT]] = ()) -> int:
+    """Write rows and page anew without solving; one rank calls.
+
+    Parameters
+    ----------
+    solved
+        What has been solved before; nothing for a study whose page reads its folder.
+
+    Returns
+    -------
+    int
+        Exit code, as of `run`.
+    """
+    (out / "pictures").mkdir(parents=True, exist_ok=True)
+    setting = Setting(out, MPI.COMM_SELF, Progress(MPI.COMM_SELF), {})
+    return _write(study, solved, (), setting, time.perf_counter())
 
 
 def solve_cases(

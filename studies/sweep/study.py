@@ -13,8 +13,7 @@ from mpi4py import MPI
 
 from analytical.arrays import FloatArray
 from analytical.bellows import paper
-from studies.closed_form.chains import SILICONES
-from studies.models.farm import OUTCOME_FILE, REFUSED, TABLE_FILE, SweepOutcome, SweepRow, read_table, run_sweep
+from studies.closed_form.tables import SILICONES
 from studies.progress import Progress
 from studies.report.labels import model_label
 from studies.report.numbers import MISSING, count, duration, signed, up
@@ -24,6 +23,7 @@ from studies.results import provenance
 from studies.results.rows import REACHED
 from studies.scene.bellows import dimensions_of
 from studies.scene.files import load_bellows
+from studies.sweep.farm import OUTCOME_FILE, REFUSED, TABLE_FILE, SweepOutcome, SweepRow, read_table, run_sweep
 from studies.sweep.plots import Kind, MapPanel, draw_design_maps
 from studies.sweep.rules import LIMIT_PERCENT, Chain, Point, Rule, across, one_factor, two_factors
 

@@ -16,7 +16,6 @@ from solvers.stability.harmonics import Shape
 from studies.__main__ import main
 from studies.models import modes as modes_run
 from studies.models.axisymmetric import run_axisymmetric
-from studies.models.farm import run_sweep
 from studies.models.modes import WARNING, counts_of, read_crossings, read_shape
 from studies.modes.full3d import on_full_circle
 from studies.modes.pictures import revolved_mode
@@ -24,6 +23,7 @@ from studies.progress import Progress
 from studies.results.files import read_path, read_summary
 from studies.results.rows import is_reached, read_rows
 from studies.scene.files import load_bellows
+from studies.sweep.farm import run_sweep
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 from mpi4py import MPI
+from studies.verification.report import render_verification
 
 from studies.__main__ import main
 from studies.progress import Progress
@@ -16,7 +17,6 @@ from studies.results.rows import Row, read_rows, row
 from studies.scene.files import load_scene
 from studies.scene.sections import SceneError
 from studies.verification import study as verification
-from studies.verification.report import render_verification
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes" / "exact"
 

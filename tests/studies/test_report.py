@@ -12,12 +12,13 @@ import pytest
 from matplotlib.image import imread as read_png
 from numpy.typing import NDArray
 
+from studies.paper.study import write_report
 from studies.report.labels import run_label
 from studies.report.numbers import MISSING
 from studies.report.pictures.child import draw_states
 from studies.report.pictures.stills import RingBox, Still
 from studies.report.scene_report import SceneReport, headline
-from studies.report.scenes import verdict, write_report
+from studies.report.scenes import verdict
 from studies.report.tables import Column, per_level, pivot, pressure_of
 from studies.results.files import PathRow, RunSummary, read_path
 from studies.results.rows import Row, read_rows, row

@@ -20,15 +20,15 @@ from mpi4py import MPI
 from solvers.errors import SolverError
 from studies.closed_form.chains import SILICONES
 from studies.models import axisymmetric
-from studies.models import farm as sweep
-from studies.models.farm import SweepOutcome, SweepRow, read_table, run_sweep, write_table
 from studies.paper.cases import case_text, cases
 from studies.progress import Progress
 from studies.results.rows import read_rows
 from studies.scene.sections import SceneError
 from studies.scene.sweep import read_sweep
 from studies.scene.text import changed_text
+from studies.sweep import farm as sweep
 from studies.sweep import study as sweep_study
+from studies.sweep.farm import SweepOutcome, SweepRow, read_table, run_sweep, write_table
 from studies.sweep.rules import Point, Rule, across, one_factor, two_factors
 from studies.sweep.study import CHAINS, COUNT_KEY, ROOT_KEY, WALL_KEY, write_sweep_report
 
