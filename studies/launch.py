@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from meshes import child
+from meshes.by_gmsh import child
 
 ROOT = Path(__file__).resolve().parents[1]
 

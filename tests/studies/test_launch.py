@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from meshes import child
+from meshes.by_gmsh import child
 from studies import launch
 
 
