@@ -259,6 +259,8 @@ def solve_cases(
 
 def farm(items: Sequence[Item], comm: MPI.Comm, work: Callable[[Item], Done]) -> list[Done]:
     """Share items out over ranks, one rank each; what came out, in their order, on every rank."""
+    if comm.size == 1:
+        return [work(item) for item in items]
     mine = {k: work(items[k]) for k in range(comm.rank, len(items), comm.size)}
     every = {k: done for part in comm.allgather(mine) for k, done in part.items()}
     return [every[k] for k in range(len(items))]
@@ -266,6 +268,8 @@ def farm(items: Sequence[Item], comm: MPI.Comm, work: Callable[[Item], Done]) ->
 
 def first(comm: MPI.Comm, work: Callable[[], Done]) -> Done:
     """What rank 0 finds, on every rank; the others leave it their cores. An error is raised on every rank."""
+    if comm.size == 1:
+        return work()
     answer: tuple[Done | None, Exception | None] = (None, None)
     if comm.rank == 0:
         try:
