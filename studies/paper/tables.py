@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
+from analytical.bellows.named import SILICONES
 from analytical.bellows.paper import PaperActuator
-from studies.closed_form.chains import SILICONES
 from studies.paper.numbers import (
     PRESSURES_KPA,
     best,

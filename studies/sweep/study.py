@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from analytical.arrays import FloatArray
-from studies.closed_form.tables import SILICONES
+from analytical.bellows.named import SILICONES
 from studies.engine import Page, Setting, Solved, Study
 from studies.report.labels import model_label
 from studies.report.numbers import duration, signed, up

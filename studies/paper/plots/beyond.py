@@ -9,8 +9,8 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
+from analytical.bellows.named import SILICONES, STRETCH_AT_BREAK
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA
-from studies.closed_form.chains import SILICONES, STRETCH_AT_BREAK
 from studies.paper.plots.layout import ACTUATORS, SMALL, WIDTH_IN, mark_end
 from studies.paper.plots.paths import (
     by_base,

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from itertools import takewhile
 from typing import Final
 
-from studies.closed_form.chains import SILICONES
+from analytical.bellows.named import SILICONES
 from studies.paper.results import CaseResult
 from studies.report.curves import Curve
 from studies.report.labels import TIP, model_label
