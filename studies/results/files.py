@@ -125,8 +125,8 @@ def read_path(folder: Path) -> list[PathRow]:
     convert = {f.name: kinds[str(f.type)] for f in fields(PathRow)}
     with (folder / PATH_FILE).open(newline="", encoding="utf-8") as stream:
         rows = [PathRow(**{k: convert[k](v) for k, v in entry.items()}) for entry in csv.DictReader(stream)]
-    # ``requested`` is the status's name before 0.2
-    return [replace(row, status="requested") if row.status == "requested" else row for row in rows]
+    # ``asked`` is the status's name before 0.2
+    return [replace(row, status="requested") if row.status == "asked" else row for row in rows]
 
 
 def write_summary(folder: Path, summary: RunSummary) -> None:
@@ -137,8 +137,8 @@ def write_summary(folder: Path, summary: RunSummary) -> None:
 def read_summary(folder: Path) -> RunSummary:
     """Read summary.json."""
     data: dict[str, Any] = json.loads((folder / SUMMARY_FILE).read_text(encoding="utf-8"))
-    if "model" in data:  # the key's name before 0.2
-        data["model"] = data.pop("model")
+    if "rung" in data:  # the key's name before 0.2
+        data["model"] = data.pop("rung")
     return RunSummary(**{**data, "plan": tuple(data["plan"])})
 
 

@@ -103,8 +103,8 @@ def read_rows(path: Path) -> list[Row]:
     """Read rows written by `write_rows`."""
     with path.open(newline="", encoding="utf-8") as stream:
         lines = list(csv.DictReader(stream))
-    # ``model`` is the column's name before 0.2
-    lines = [{**line, "model": line.get("model", line.get("model", ""))} for line in lines]
+    # ``rung`` is the column's name before 0.2
+    lines = [{**line, "model": line.get("model", line.get("rung", ""))} for line in lines]
     return [Row(*(_value(name, line[name]) for name in COLUMNS)) for line in lines]
 
 
