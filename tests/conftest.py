@@ -253,8 +253,9 @@ def make_problem():
     """Problem on a mesh of this file: law, 1/kappa, surfaces by keyword, stiff solid and bodies if any."""
     from mpi4py import MPI
 
+    from solvers.assembly.surfaces import Surfaces
     from solvers.discrete.domain import create_domain
-    from solvers.problem import Problem, Surfaces
+    from solvers.problem import Problem
 
     def make(
         mesh, law, inverse_kappa=0.0, *, regions=None, stiff=None, bodies=None, element=None, frame=None, **surfaces
@@ -303,7 +304,8 @@ def bellows_problem(one_convolution, coarse_meridian, coarse_solid, make_problem
 def inflated(bellows_problem):
     """Cached path of the axisymmetric bellows to 5 and 10 kPa, solved to 1e-11."""
     from solvers.equilibrium.newton import NewtonSettings
-    from solvers.paths.path import PathSettings, follow_path
+    from solvers.paths.path import follow_path
+    from solvers.paths.records import PathSettings
 
     @functools.cache
     def follow(law="yeoh"):
@@ -321,7 +323,8 @@ def inflated_solid(bellows_problem, inflated):
     """The same in 3D, started from the revolved axisymmetric states; only the requested pressures."""
     from meshes.revolve import revolve_vector
     from solvers.equilibrium.newton import NewtonSettings
-    from solvers.paths.path import PathSettings, follow_guesses
+    from solvers.paths.records import PathSettings
+    from solvers.paths.warm_start import follow_guesses
     from solvers.state import State
 
     @functools.cache

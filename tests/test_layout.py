@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import graphlib
 import re
 import sys
 from pathlib import Path
@@ -11,6 +12,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("analytical", "meshes", "solvers", "studies")
+# Packages without circles, in folders and files of a size to be read.
+CLEAN = ("meshes", "solvers")
+MOST_FILES, MOST_LINES = 15, 400  # files beside `__init__.py`
 FINITE_ELEMENTS = {"dolfinx", "ufl", "basix", "ffcx", "petsc4py", "mpi4py", "slepc4py"}
 # What dolfinx and UFL have renamed, moved, or made another kind of attribute since 0.5.
 RENAMED = {
@@ -110,3 +114,58 @@ def test_no_module_names_a_package_registry(path: Path) -> None:
 def test_names_of_test_modules_are_unique() -> None:
     names = [path.name for path in (ROOT / "tests").rglob("test_*.py")]
     assert len(names) == len(set(names))
+
+
+# ---- circles and sizes -------------------------------------------------------------------------------------
+
+
+def module_of(path: Path) -> str:
+    """Full name of a file's module."""
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def graph_of(package: str) -> dict[str, set[str]]:
+    """What each module of a package imports of it anywhere: for types only and inside functions too."""
+    paths = {module_of(path): path for path in of_package(package)}
+    graph = {}
+    for module, path in paths.items():
+        names = imports(path)
+        graph[module] = {name if name in paths else name.rpartition(".")[0] for name in names} & set(paths) - {module}
+    return graph
+
+
+def circle_in(graph: dict[str, set[str]]) -> str:
+    """A circle, in words; empty if there is none."""
+    try:
+        graphlib.TopologicalSorter(graph).prepare()
+    except graphlib.CycleError as error:
+        return " <- ".join(error.args[1])
+    return ""
+
+
+@pytest.mark.parametrize("package", CLEAN)
+def test_no_import_circle(package: str) -> None:
+    assert not circle_in(graph_of(package))
+
+
+def test_rooms_of_the_solvers_form_no_circle() -> None:
+    rooms: dict[str, set[str]] = {}
+    for module, known in graph_of("solvers").items():
+        room = ".".join(module.split(".")[:2])
+        rooms.setdefault(room, set()).update({".".join(name.split(".")[:2]) for name in known} - {room})
+    assert not circle_in(rooms)
+
+
+def test_a_circle_is_found_and_named() -> None:
+    assert circle_in({"a": {"b"}, "b": {"c"}, "c": {"a"}, "d": {"a"}}).count(" <- ") == 3
+    assert circle_in({"a": {"b"}, "b": {"c"}, "d": {"a", "c"}}) == ""
+
+
+@pytest.mark.parametrize("package", CLEAN)
+def test_no_folder_has_more_than_fifteen_files_and_no_file_more_than_400_lines(package: str) -> None:
+    files = of_package(package)
+    for folder in {path.parent for path in files}:
+        assert len({path.name for path in folder.glob("*.py")} - {"__init__.py"}) <= MOST_FILES, label(folder)
+    for path in [*files, *(ROOT / "tests" / package).rglob("*.py")]:
+        assert len(path.read_text(encoding="utf-8").splitlines()) <= MOST_LINES, label(path)

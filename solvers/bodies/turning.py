@@ -19,6 +19,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from solvers.assembly.unknowns import Unknowns
+from solvers.bodies.rigid import RigidBodies
 from solvers.discrete.domain import FloatArray, IntArray
 
 
@@ -80,3 +82,16 @@ class Turning:
             old_frame, old_arm = self._marked[body]
             finite = frame.apply(Rotation.from_rotvec(turn).apply(arm) - arm)
             values[dofs] += finite - old_frame.apply(np.cross(turn, old_arm))
+
+
+def turning_bodies(unknowns: Unknowns, bodies: RigidBodies, bonded: Sequence[IntArray]) -> Turning | None:
+    """The bonded points of bodies, from the owned dofs bonded to each; None if they cannot turn."""
+    if unknowns.bodies_mm.shape[1] != 6:
+        return None
+    dofs, positions = [], []
+    owned = (unknowns.u_dofs >= 0).all(axis=1) & (unknowns.u_dofs < unknowns.owned).all(axis=1)
+    for of_body in bonded:  # a point is its owner's
+        nodes = np.flatnonzero(owned & np.isin(unknowns.u_dofs, of_body).all(axis=1))
+        dofs.append(unknowns.u_dofs[nodes])
+        positions.append(np.asarray(unknowns.domain.mesh.geometry.x[nodes]))
+    return Turning(dofs, positions, np.asarray(bodies.centres_mm), bodies.arm_mm)

@@ -225,13 +225,13 @@ def assemble_into(matrix: PETSc.Mat, form: Any, bcs: list[Any], space: Any) -> N
     cpp.fem.petsc.insert_diagonal(matrix, space._cpp_object, conditions, 1.0)
 
 
-def assemble_array(form: Any, index_map: Any) -> Any:
-    """Assemble a linear form; contributions are summed on the owners, ghosts are not updated."""
+def assemble_array(form: Any, index_map: Any) -> NDArray[np.float64]:
+    """Assemble a linear form on the owned dofs; contributions of other ranks are added."""
     vector = la.vector(index_map, 1)
     vector.array[:] = 0.0
     cpp.fem.assemble_vector(vector.array, *_packed(form))
     sum_on_owners(vector)
-    return vector
+    return np.array(vector.array[: index_map.size_local])
 
 
 def assemble_scalar(form: Any, comm: MPI.Comm) -> float:

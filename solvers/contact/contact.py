@@ -23,11 +23,11 @@ import scipy.sparse
 from petsc4py import PETSc
 from scipy.spatial import cKDTree
 
+from solvers.assembly.unknowns import Unknowns
 from solvers.contact.curve import Curve
 from solvers.contact.pairs import Against, ContactSettings, Facing, Line, LinePoints, PairReport, Stop
 from solvers.discrete.domain import FloatArray, IntArray
 from solvers.errors import Cause, SolverError, StepFailed
-from solvers.problem import Problem
 
 # Two surfaces face each other when the angle between their normals is more than 120 degrees.
 _OPPOSED = -0.5
@@ -47,12 +47,12 @@ class _Part:
 
 
 class Contact:
-    """Contact of a problem's meridian; `Problem.contact` makes it part of the equilibrium.
+    """Contact of a problem's meridian: a `solvers.assembly.term.Term` of its equilibrium.
 
     Parameters
     ----------
-    problem
-        On a meridian, on one rank, with quadratic displacements.
+    unknowns
+        Of the problem: on a meridian, on one rank, with quadratic displacements.
     points
         Undeformed positions of the caller's nodes, shape (n, 2), mm.
     lines, pairs
@@ -70,31 +70,32 @@ class Contact:
 
     def __init__(
         self,
-        problem: Problem,
+        unknowns: Unknowns,
         points: FloatArray,
         lines: Sequence[Line],
         pairs: Sequence[Against | Facing | Stop],
         settings: ContactSettings,
         boundary: IntArray,
     ) -> None:
-        if problem.comm.size > 1 or problem.dimension != 2 or problem.element.displacement_degree != 2:
+        ranks, dimension, degree = unknowns.comm.size, unknowns.dimension, unknowns.element.displacement_degree
+        if ranks > 1 or dimension != 2 or degree != 2:
             raise SolverError(
-                f"contact on {problem.comm.size} ranks in {problem.dimension} dimensions with displacements of degree "
-                f"{problem.element.displacement_degree}: it is there on meridians, on one rank, of degree 2"
+                f"contact on {ranks} ranks in {dimension} dimensions with displacements of degree {degree}: it is "
+                "there on meridians, on one rank, of degree 2"
             )
-        self.problem, self.settings, self.lines, self.pairs = problem, settings, tuple(lines), tuple(pairs)
-        local = np.empty(problem.domain.nodes, dtype=np.int64)
-        local[problem.domain.input_node] = np.arange(len(problem.domain.input_node))
-        fixed = np.append(problem.constrained_owned, problem.held_bodies)
+        self._unknowns, self.settings, self.lines, self.pairs = unknowns, settings, tuple(lines), tuple(pairs)
+        local = np.empty(unknowns.domain.nodes, dtype=np.int64)
+        local[unknowns.domain.input_node] = np.arange(len(unknowns.domain.input_node))
+        fixed = np.append(unknowns.constrained_owned, unknowns.held_bodies)
         self._size = len(fixed)
         self._free = ~fixed
         self._rest = [points[line.nodes] for line in self.lines]
-        self._dofs = [problem.u_dofs[local[line.nodes]] for line in self.lines]
+        self._dofs = [unknowns.u_dofs[local[line.nodes]] for line in self.lines]
         self._points = [LinePoints(*of) for of in zip(self.lines, self._rest, self._dofs, strict=True)]
         self._curves = [Curve(rest, line.side) for rest, line in zip(self._rest, self.lines, strict=True)]
         on_boundary, where = np.unique(boundary, return_inverse=True)
         self._boundary = np.vstack([where.reshape(-1, 3)[:, :2], where.reshape(-1, 3)[:, 1:]])
-        self._boundary_rest, self._boundary_dofs = points[on_boundary], problem.u_dofs[local[on_boundary]]
+        self._boundary_rest, self._boundary_dofs = points[on_boundary], unknowns.u_dofs[local[on_boundary]]
         self._known = scipy.sparse.csr_matrix((self._size, self._size), dtype=np.int8)
         self._seen: tuple[FloatArray, list[_Part]] = (np.empty(0), [])
 
@@ -102,7 +103,8 @@ class Contact:
 
     def _now(self) -> list[_Part]:
         """Gaps of all pairs within reach at the problem's state; those of the last state asked for are kept."""
-        values = np.append(self.problem.state.x.array[: self.problem.owned], self.problem.body_values.ravel())
+        of = self._unknowns
+        values = np.append(of.state.x.array[: of.owned], of.bodies_mm.ravel())
         if not np.array_equal(values, self._seen[0]):
             lines = [rest + values[dofs] for rest, dofs in zip(self._rest, self._dofs, strict=True)]
             parts = []
@@ -118,7 +120,7 @@ class Contact:
 
     def _body(self, number: int) -> int:
         """Unknown of a body's axial motion; on a meridian it has no other."""
-        return self.problem.owned + number
+        return self._unknowns.owned + number
 
     def _against(self, pair: Against, line: FloatArray, values: FloatArray) -> _Part:
         on = self._points[pair.line]
@@ -199,7 +201,7 @@ class Contact:
             np.zeros((1, 2, 2))[near],
         )
 
-    # ---- what the problem takes ------------------------------------------------------------------------
+    # ---- as a term -------------------------------------------------------------------------------------
 
     def energy(self) -> float:
         """Energy of the penalty, mJ."""
@@ -213,6 +215,12 @@ class Contact:
             mine = part.dofs >= 0
             np.add.at(out, part.dofs[mine], (push[:, None] * part.gradient)[mine])
         return out * self._free
+
+    def add_force(self, on_dofs: FloatArray, on_bodies: FloatArray) -> None:
+        """Add `force`."""
+        force = self.force()
+        on_dofs += force[: len(on_dofs)]
+        on_bodies += force[len(on_dofs) :]
 
     def _stiffness(self) -> scipy.sparse.csr_matrix:
         """Second derivative of the energy, with a place for every pair within reach."""
@@ -231,7 +239,6 @@ class Contact:
         where = (np.concatenate(rows), np.concatenate(columns))
         return scipy.sparse.csr_matrix((np.concatenate(values), where), shape=(self._size, self._size))
 
-    @property
     def pattern(self) -> scipy.sparse.csr_matrix:
         """Places in the tangent that were needed up to now."""
         return self._known
@@ -271,7 +278,7 @@ class Contact:
                     f"contact stiffness above {settings.stiffness_mpa_per_mm:g} MPa/mm would hold it",
                     Cause.CONTACT,
                 )
-        values = self.problem.state.x.array
+        values = self._unknowns.state.x.array
         edges = (self._boundary_rest + values[self._boundary_dofs])[self._boundary]
         for line, on, rest, dofs in zip(self.lines, self._points, self._rest, self._dofs, strict=True):
             now = rest + values[dofs]

@@ -3,7 +3,7 @@
 Potential (docs/decisions.md says why this form):
 
     Pi(u, p) = int [ W(I1, I2) + p (J - 1) - p^2 / (2 kappa) ] dX  +  int_stiff psi dX
-             -  P g(u)          (see solvers.energy.loads)   (+ the bond energy, see solvers.bodies.rigid)
+             -  P g(u)          (see solvers.energy.loads)   (+ the bond energy, see solvers.bodies.bond)
 
 with isochoric invariants I1, I2. ``1/kappa = 0`` is allowed.
 """

@@ -1,1 +1,1 @@
-"""Newton's method under a held pressure, volume or plane."""
+"""Newton's method, what it holds while it looks for equilibrium, and forces on what holds a body there."""

@@ -1,10 +1,4 @@
-"""Newton's method at a given load or a given volume of the load, with every failure caught.
-
-Volume control solves for the load factor P too. With K the tangent, R the residual, f the force of a unit load and
-g = dV/dw (f = g if the load is conservative), a = K^-1 R and b = K^-1 f give ``dP = (V* - V + g.a) / (g.b)`` and
-``dw = -a + b dP`` from one factorisation. At the converged state g.b = dV/dP is the compliance of the path. A plane
-``c = n.(w - w*) + m (P - P*) = 0`` in the space of states is held in the same way: ``dP = (-c + n.a) / (n.b + m)``.
-"""
+"""Newton's method under a control (`solvers.equilibrium.controls`), with every failure caught."""
 
 from __future__ import annotations
 
@@ -15,6 +9,8 @@ import numpy as np
 from mpi4py import MPI
 
 from solvers.discrete.domain import FloatArray
+from solvers.discrete.sums import dot
+from solvers.equilibrium.controls import Control
 from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
 from solvers.problem import Problem
@@ -54,29 +50,6 @@ class NewtonSettings:
     line_search: int = 1
 
 
-@dataclass(frozen=True, eq=False)
-class Plane:
-    """A plane in the space of unknowns and load factor, in which equilibrium is looked for; see `solvers.paths.arc`.
-
-    Attributes
-    ----------
-    normal
-        Its part n on the owned dofs, shape (owned,), 1/mm; zero on constrained ones.
-    by_load
-        Its part m on the load factor, 1/MPa.
-    through, load_mpa
-        A point w*, P* of it.
-    length
-        Distance from the last state, by which the residual of the plane is measured.
-    """
-
-    normal: FloatArray
-    by_load: float
-    through: FloatArray
-    load_mpa: float
-    length: float
-
-
 @dataclass(frozen=True)
 class NewtonReport:
     """What a converged solve cost and found.
@@ -105,22 +78,23 @@ class NewtonReport:
 
     @property
     def excess_at_volume(self) -> int | None:
-        """Unstable modes with the volume held: by Haynsworth those at held pressure, less one if dV/dP < 0."""
-        if self.excess_negatives is None:
-            return None
-        return self.excess_negatives - (self.compliance_mm3_per_mpa < 0.0)
+        """Unstable modes with the volume held."""
+        return at_held_volume(self.excess_negatives, self.compliance_mm3_per_mpa)
+
+
+def at_held_volume(unstable: int | None, compliance_mm3_per_mpa: float) -> int | None:
+    """Unstable modes with the volume held: by Haynsworth those at held pressure, less one if dV/dP < 0."""
+    return None if unstable is None else unstable - (compliance_mm3_per_mpa < 0.0)
 
 
 def solve_equilibrium(
     problem: Problem,
     factor: Factor,
     settings: NewtonSettings,
-    pressure_mpa: float | None = None,
-    volume_mm3: float | None = None,
+    control: Control,
     on_iteration: Callable[[int, float], None] | None = None,
-    plane: Plane | None = None,
 ) -> NewtonReport:
-    """Bring the problem's current state to equilibrium at a pressure, at a volume or in a plane (give exactly one).
+    """Bring the problem's current state to equilibrium.
 
     Parameters
     ----------
@@ -128,12 +102,10 @@ def solve_equilibrium(
         The problem, holding the first guess, and its factorisation.
     settings
         Tolerances and limits.
-    pressure_mpa, volume_mm3
-        The controlled quantity.
+    control
+        What is held.
     on_iteration
         Called with (iteration, relative residual) for progress.
-    plane
-        The plane that the state has to lie in; volume and load factor are what they turn out to be.
 
     Returns
     -------
@@ -145,13 +117,10 @@ def solve_equilibrium(
         On NaN, divergence, cells that would invert, values out of the material's range, or too many
         iterations. The problem's state is then spoilt: the caller goes back to its last good one.
     """
-    assert sum(given is not None for given in (pressure_mpa, volume_mm3, plane)) == 1
     before = factor.count
-    if pressure_mpa is not None:
-        problem.pressure.value = pressure_mpa
+    control.begin(problem)
     error = moved = np.inf
-    held = volume_mm3 if plane is None else plane
-    here = _residual(problem, held)
+    here = _residual(problem, control)
     for iteration in range(settings.max_iterations + 1):
         new_error = here.error
         if not np.isfinite(new_error):
@@ -163,7 +132,7 @@ def solve_equilibrium(
             det_f = _check_state(problem)
             factor.refresh()  # the stability count is that of the converged state
             toward, _ = factor.solve(here.force, np.zeros(problem.extra))
-            compliance = _dot(problem, here.gradient, toward)
+            compliance = dot(problem.comm, here.gradient, toward)
             used = factor.count - before
             return NewtonReport(iteration, used, new_error, det_f, factor.excess_negatives, compliance)
         if new_error > 1e8 or iteration == settings.max_iterations:
@@ -174,22 +143,7 @@ def solve_equilibrium(
             factor.refresh()
             if problem.turning is not None:
                 problem.turning.mark(problem.state.x.array[: problem.owned], problem.body_values)
-        step, body_step = factor.solve(here.residual, here.on_bodies)
-        step, body_step, pressure_step = -step, -body_step, 0.0
-        if volume_mm3 is not None:
-            toward, body_toward = factor.solve(here.force, np.zeros(problem.extra))
-            missing = volume_mm3 - problem.cavity_volume()
-            compliance = _dot(problem, here.gradient, toward)
-            # round-off of the solve, relative to Cauchy and Schwarz's bound: the volume stays whatever the load
-            if abs(compliance) <= 1e-10 * _norm(problem, here.gradient) * _norm(problem, toward):
-                raise StepFailed("the volume does not respond to the load", Cause.NO_RESPONSE)
-            pressure_step = (missing - _dot(problem, here.gradient, step)) / compliance
-            step, body_step = step + toward * pressure_step, body_step + body_toward * pressure_step
-        elif plane is not None:
-            toward, body_toward = factor.solve(here.force, np.zeros(problem.extra))
-            pressure_step = _along(problem, plane, step, toward)
-            step, body_step = step + toward * pressure_step, body_step + body_toward * pressure_step
-        moved, here = _advance(problem, settings, held, error, step, body_step, pressure_step)
+        moved, here = _advance(problem, settings, control, error, _increment(problem, factor, control, here))
     raise AssertionError("unreachable")
 
 
@@ -204,45 +158,36 @@ class _Residual:
     error: float
 
 
-def _norm(problem: Problem, a: FloatArray) -> float:
-    return float(np.sqrt(_dot(problem, a, a)))
+@dataclass(frozen=True)
+class _Increment:
+    """Change of the owned dofs, of the bodies and of the load factor."""
+
+    dofs: FloatArray
+    bodies: FloatArray
+    load_mpa: float
 
 
-def _dot(problem: Problem, a: FloatArray, b: FloatArray) -> float:
-    return float(problem.comm.allreduce(float(a @ b), op=MPI.SUM))
+def _increment(problem: Problem, factor: Factor, control: Control, here: _Residual) -> _Increment:
+    """Newton's step under a control, with the current factor."""
+    step, body_step = factor.solve(here.residual, here.on_bodies)
+    step, body_step = -step, -body_step
+    if not control.frees_load:
+        return _Increment(step, body_step, 0.0)
+    toward, body_toward = factor.solve(here.force, np.zeros(problem.extra))
+    change = control.load_change(problem, here.gradient, step, toward)
+    return _Increment(step + toward * change, body_step + body_toward * change, change)
 
 
-def _off_plane(problem: Problem, plane: Plane) -> float:
-    """How far the current state is from a plane: the left side of its equation."""
-    away = problem.state.x.array[: problem.owned] - plane.through
-    return _dot(problem, plane.normal, away) + plane.by_load * (float(problem.pressure.value) - plane.load_mpa)
-
-
-def _along(problem: Problem, plane: Plane, step: FloatArray, toward: FloatArray) -> float:
-    """Change of the load factor that brings an increment into a plane.
-
-    Raises
-    ------
-    StepFailed
-        If the way that the state goes with the load lies in the plane.
-    """
-    response = _dot(problem, plane.normal, toward)
-    bound = _norm(problem, plane.normal) * _norm(problem, toward) + abs(plane.by_load)
-    if abs(response + plane.by_load) <= 1e-10 * bound:
-        raise StepFailed("the path runs along the plane of the step")
-    return (-_off_plane(problem, plane) - _dot(problem, plane.normal, step)) / (response + plane.by_load)
-
-
-def _residual(problem: Problem, held: float | Plane | None) -> _Residual:
-    """Residual at the current state; ``held`` is the volume in mm^3, a plane, or None at a held pressure."""
+def _residual(problem: Problem, control: Control) -> _Residual:
+    """Residual at the current state."""
     force, on_bodies = problem.internal_force()
     on_bodies[problem.held_bodies] = 0.0
     fixed = problem.constrained_owned
-    unit_load = problem.load_force()
+    unit_load = problem.load.force()
     unit_load[fixed] = 0.0
     gradient = unit_load
     if not problem.conservative:
-        gradient = problem.volume_gradient()
+        gradient = problem.load.gradient()
         gradient[fixed] = 0.0
     pressure = float(problem.pressure.value)
     residual = force - pressure * unit_load
@@ -261,22 +206,16 @@ def _residual(problem: Problem, held: float | Plane | None) -> _Residual:
     if problem.bonded is not None:
         load = np.hypot(load, problem.bonded.dead_force_n)
     error = np.sqrt(sums[0] + on_bodies @ on_bodies) / load + np.sqrt(sums[1]) / problem.volume_scale
-    if isinstance(held, Plane):
-        error += abs(_off_plane(problem, held)) / held.length**2
-    elif held is not None:
-        volume = problem.cavity_volume()
-        error += abs(held - volume) / max(abs(held), problem.volume_unit_mm3)
+    error += control.error(problem)
     return _Residual(residual, on_bodies, unit_load, gradient, float(error))
 
 
 def _advance(
     problem: Problem,
     settings: NewtonSettings,
-    held: float | Plane | None,
+    control: Control,
     error: float,
-    step: FloatArray,
-    body_step: FloatArray,
-    pressure_step: float,
+    increment: _Increment,
 ) -> tuple[float, _Residual]:
     """Add the increment, cut until no cell comes near inversion and the residual falls if it can be made to.
 
@@ -287,25 +226,25 @@ def _advance(
     pressure = float(problem.pressure.value)
 
     def go(fraction: float) -> None:
-        array[: problem.owned] = start[: problem.owned] + fraction * step
+        array[: problem.owned] = start[: problem.owned] + fraction * increment.dofs
         if problem.turning is not None:
-            turned = fraction * body_step.reshape(start_bodies.shape)
+            turned = fraction * increment.bodies.reshape(start_bodies.shape)
             problem.turning.add_rest(array[: problem.owned], start[: problem.owned], start_bodies, turned)
         problem.state.x.scatter_forward()
-        problem.pressure.value = pressure + fraction * pressure_step
+        problem.pressure.value = pressure + fraction * increment.load_mpa
         if problem.bonded is not None:
             problem.bonded.values[:] = start_bodies
-            problem.bonded.update(fraction * body_step)
+            problem.bonded.update(fraction * increment.bodies)
 
     fraction = _admissible(problem, settings, go)
-    here = _residual(problem, held)
+    here = _residual(problem, control)
     best, best_fraction = here, fraction
     for _ in range(settings.line_search):
         if best.error < error:
             break
         fraction *= 0.5
         go(fraction)
-        here = _residual(problem, held)
+        here = _residual(problem, control)
         if here.error < best.error:
             best, best_fraction = here, fraction
     if best_fraction != fraction:
@@ -313,7 +252,7 @@ def _advance(
     is_u = ~problem.owned_pressure
     largest, total = (
         problem.comm.allreduce(float(np.abs(v[is_u]).max(initial=0.0)), op=MPI.MAX)
-        for v in (step, array[: problem.owned])
+        for v in (increment.dofs, array[: problem.owned])
     )
     return (largest / total if total > 0.0 else np.inf), best
 
@@ -324,29 +263,31 @@ def _admissible(problem: Problem, settings: NewtonSettings, go: Callable[[float]
     fraction = 1.0
     for _ in range(settings.max_cuts + 1):
         go(fraction)
-        det_f, i1, i2 = problem.extremes()
+        det_f, i1, i2 = problem.deformation.extremes()
         if det_f > settings.least_det_f and i1 <= limit1 and i2 <= limit2:
             return fraction
         fraction *= 0.5
     length = f"even at 1/{2**settings.max_cuts} of its length"
     if not det_f > settings.least_det_f:
-        raise StepFailed(f"an increment would invert a cell {length}: {problem.worst_cell()}", Cause.INVERTED_CELL)
+        raise StepFailed(
+            f"an increment would invert a cell {length}: {problem.deformation.worst_cell()}", Cause.INVERTED_CELL
+        )
     raise StepFailed(f"an increment would leave the material's range {length}: {_range(problem)}", Cause.MATERIAL_RANGE)
 
 
 def _range(problem: Problem) -> str:
-    _, i1, i2 = problem.extremes()
+    _, i1, i2 = problem.deformation.extremes()
     limit1, limit2 = problem.law.invariant_limits
     return f"I1 = {i1:.3g} (<= {limit1:g}), I2 = {i2:.3g} (<= {limit2:g})"
 
 
 def _check_state(problem: Problem) -> float:
-    det_f, i1, i2 = problem.extremes()
+    det_f, i1, i2 = problem.deformation.extremes()
     if not det_f > 0.0:
-        raise StepFailed(f"converged to an inverted cell: {problem.worst_cell()}", Cause.INVERTED_CELL)
+        raise StepFailed(f"converged to an inverted cell: {problem.deformation.worst_cell()}", Cause.INVERTED_CELL)
     limit1, limit2 = problem.law.invariant_limits
     if i1 > limit1 or i2 > limit2:
         raise StepFailed(f"out of the material law's range: {_range(problem)}", Cause.MATERIAL_RANGE)
-    if problem.contact is not None:
-        problem.contact.check()
+    for term in problem.terms:
+        term.check()
     return det_f

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Protocol
 
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from solvers.assembly.term import Term
 from solvers.discrete.domain import FloatArray
 from solvers.errors import Cause, StepFailed
 from solvers.state import Timer
@@ -30,8 +32,9 @@ class Factored(Protocol):
     timer: Timer
     owned: int
     extra: int
-    contact: Any
 
+    @property
+    def terms(self) -> Sequence[Term]: ...  # noqa: D102
     @property
     def comm(self) -> Any: ...  # noqa: D102
     @property
@@ -105,7 +108,8 @@ class Factor:
             If MUMPS fails for another reason than memory, or all that can be done about memory is done. The
             problem's state is as it was.
         """
-        if self.problem.contact is not None and self.problem.contact.grow():
+        grown = [term.grow() for term in self.problem.terms]
+        if any(grown):
             self.close()
             self.matrix = self.problem.new_matrix()
         self.problem.assemble_tangent(self.matrix)
@@ -164,18 +168,27 @@ class Factor:
         problem = self.problem
         with problem.timer("solve"):
             right, left = self.matrix.createVecs()
-            right.array[: problem.owned] = on_dofs
-            last = problem.comm.size - 1
-            if problem.extra and problem.comm.rank == last:
-                right.array[problem.owned :] = on_bodies
+            self._join(right, on_dofs, on_bodies)
             self.solver.solve(right, left)
-            dofs = left.array[: problem.owned].copy()
-            bodies = np.zeros(problem.extra)
-            if problem.extra:
-                bodies = problem.comm.bcast(left.array[problem.owned :].copy(), root=last)
-            finite = bool(np.isfinite(dofs).all() and np.isfinite(bodies).all())
+            dofs, bodies, finite = self._split(left)
             right.destroy()
             left.destroy()
-        if self.solver.getConvergedReason() < 0 or not problem.comm.allreduce(int(finite), op=MPI.MIN):
+        if self.solver.getConvergedReason() < 0 or not finite:
             raise StepFailed("the linear solve returned a value that is not finite", Cause.LINEAR_SOLVER)
         return dofs, bodies
+
+    def _join(self, vector: PETSc.Vec, on_dofs: FloatArray, on_bodies: FloatArray) -> None:
+        """Write values on the owned dofs, and on the bodies, which are the last rank's, into a vector."""
+        problem = self.problem
+        vector.array[: problem.owned] = on_dofs
+        if problem.extra and problem.comm.rank == problem.comm.size - 1:
+            vector.array[problem.owned :] = on_bodies
+
+    def _split(self, vector: PETSc.Vec) -> tuple[FloatArray, FloatArray, bool]:
+        """Values of a vector on the owned dofs, and on the bodies on every rank; True if they are finite on all."""
+        problem = self.problem
+        dofs, bodies = vector.array[: problem.owned].copy(), np.zeros(problem.extra)
+        if problem.extra:
+            bodies = problem.comm.bcast(vector.array[problem.owned :].copy(), root=problem.comm.size - 1)
+        finite = int(np.isfinite(dofs).all() and np.isfinite(bodies).all())
+        return dofs, bodies, bool(problem.comm.allreduce(finite, op=MPI.MIN))

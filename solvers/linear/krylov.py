@@ -71,8 +71,8 @@ class IterativeSolver(Factor):
     problem: Problem
 
     def __init__(self, problem: Problem, settings: IterativeSettings | None = None) -> None:
-        whole = problem.bonded is None or problem.modes == 6
-        if problem.dimension != 3 or problem.element.displacement_degree != 2 or not whole:
+        whole = problem.bonded is None or problem.bonded.modes == 6
+        if problem.unknowns.dimension != 3 or problem.element.displacement_degree != 2 or not whole:
             raise SolverError(
                 "the iterative solver is for whole bodies in 3D with quadratic displacements: meridians and sectors "
                 "are small enough to factorise"
@@ -262,10 +262,7 @@ class IterativeSolver(Factor):
         problem, settings = self.problem, self.settings
         with problem.timer("solve"):
             right, left = self.matrix.createVecs()
-            right.array[: problem.owned] = on_dofs
-            last = problem.comm.size - 1
-            if problem.extra and problem.comm.rank == last:
-                right.array[problem.owned :] = on_bodies
+            self._join(right, on_dofs, on_bodies)
             right.pointwiseMult(right, self._scale)
             self.solver.solve(right, left)
             self.iterations.append(self.solver.getIterationNumber())
@@ -275,11 +272,7 @@ class IterativeSolver(Factor):
             residual.axpy(-1.0, right)
             error = max(self._norms(residual)) / size if size > 0.0 else 0.0
             left.pointwiseMult(left, self._scale)
-            dofs = left.array[: problem.owned].copy()
-            bodies = np.zeros(problem.extra)
-            if problem.extra:
-                bodies = problem.comm.bcast(left.array[problem.owned :].copy(), root=last)
-            finite = problem.comm.allreduce(int(np.isfinite(dofs).all() and np.isfinite(bodies).all()), op=MPI.MIN)
+            dofs, bodies, finite = self._split(left)
             for vector in (right, left, residual):
                 vector.destroy()
         if not finite or not error <= settings.relative_tolerance:

@@ -1,1 +1,1 @@
-"""Paths of converged states: steps, arc length, warm starts, branches, checkpoints, why they end."""
+"""Paths of converged states: steps, arc length, warm starts, where stability is lost, branches, why they end."""

@@ -11,7 +11,7 @@ for equilibrium in the plane through the extrapolated state x* that is normal to
 
 (Riks 1979, doi 10.1016/0020-7683(79)90081-7, with a normal plane that stays). The way comes from states that lie behind
 on the path, so it never points back, and the border costs a second solve with the same factor, as a held volume does
-(`solvers.equilibrium.newton`).
+(`solvers.equilibrium.controls`).
 """
 
 from __future__ import annotations
@@ -19,18 +19,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-from mpi4py import MPI
 
-from solvers.equilibrium.newton import Plane
+from solvers.discrete.sums import dot
+from solvers.equilibrium.controls import HeldPlane
 from solvers.errors import StepFailed
+from solvers.paths.records import PathPoint
+from solvers.problem import Problem
 from solvers.state import State
-
-if TYPE_CHECKING:
-    from solvers.paths.records import PathPoint
-    from solvers.problem import Problem
 
 # A solution further from where it was expected than this share of the step may lie on another part of the path, or on
 # another one: two spheres on one cavity have branches a step of 0.25 apart (tests/solvers/test_arc_length.py).
@@ -67,7 +64,7 @@ def _product(a: State, b: State, c: State, d: State, scale: Scale) -> float:
     return float(moved / len(a.displacement_mm) / scale.displacement_mm**2 + by_load)
 
 
-def plane_at(problem: Problem, here: State, guess: State, scale: Scale) -> Plane:
+def plane_at(problem: Problem, here: State, guess: State, scale: Scale) -> HeldPlane:
     """The plane through a guess, normal to the way to it; the problem is left at the guess."""
     problem.set_state(here)
     start = problem.state.x.array[: problem.owned].copy()
@@ -77,8 +74,8 @@ def plane_at(problem: Problem, here: State, guess: State, scale: Scale) -> Plane
     way = (through - start) * free
     normal = way / (problem.domain.nodes * scale.displacement_mm**2)
     by_load = (guess.load_mpa - here.load_mpa) / scale.pressure_mpa**2
-    length = problem.comm.allreduce(float(normal @ way), op=MPI.SUM) + by_load * (guess.load_mpa - here.load_mpa)
-    return Plane(normal, by_load, through, guess.load_mpa, float(np.sqrt(length)))
+    length = dot(problem.comm, normal, way) + by_load * (guess.load_mpa - here.load_mpa)
+    return HeldPlane(normal, by_load, through, guess.load_mpa, float(np.sqrt(length)))
 
 
 def refuse_far(guess: State, new: State, size: float, scale: Scale) -> None:

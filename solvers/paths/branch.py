@@ -1,6 +1,6 @@
 """Branch switching: from where a path loses stability onto the other path that begins there.
 
-At a bifurcation (state x0, critical mode f, found by `solvers.stability.crossing`) the first state of the branch is
+At a bifurcation (state x0, critical mode f, found by `solvers.paths.crossing`) the first state of the branch is
 looked for in the plane through x0 + a f that is normal to f, with the load factor free:
 
     <f, x - x0 - a f> = 0.
@@ -148,7 +148,7 @@ def _first_state(
         guess = combine([start, level], [1.0, amplitude])
         plane = plane_at(problem, start, guess, scale)
         try:
-            report = solve_equilibrium(problem, factor, settings.path.newton, plane=plane)
+            report = solve_equilibrium(problem, factor, settings.path.newton, plane)
         except StepFailed as error:
             failure = str(error)
             continue

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from solvers.errors import Cause, StepFailed
-from solvers.paths.records import Control, Crossing, PathPoint
+from solvers.paths.records import ControlName, Crossing, PathPoint
 
 REMEDY = {
     Cause.INVERTED_CELL: "look at the shape there (a sharp corner, a fold), refine the mesh there or soften the bond's "
@@ -46,7 +46,7 @@ def loss_of_stability(crossing: Crossing | None) -> str:
 
 
 def failed_steps(
-    failure: StepFailed, history: Sequence[PathPoint], crossing: Crossing | None, control: Control, stiffest: float
+    failure: StepFailed, history: Sequence[PathPoint], crossing: Crossing | None, control: ControlName, stiffest: float
 ) -> tuple[Cause, str]:
     """Kind and sentence for a path whose steps kept failing.
 

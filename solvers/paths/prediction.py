@@ -8,11 +8,11 @@ import numpy as np
 
 from solvers.discrete.domain import FloatArray
 from solvers.paths.arc import Scale, distance
-from solvers.paths.records import Control, PathPoint
+from solvers.paths.records import ControlName, PathPoint
 from solvers.state import State, combine
 
 
-def coordinates(history: Sequence[PathPoint], control: Control, scale: Scale) -> list[float]:
+def coordinates(history: Sequence[PathPoint], control: ControlName, scale: Scale) -> list[float]:
     """The quantity that steps are taken in: volume in mm^3, pressure in MPa, arc length (0 at the last state)."""
     if control == "volume":
         return [p.volume_mm3 for p in history]
@@ -34,7 +34,7 @@ def _weights(nodes: Sequence[float], at: float) -> FloatArray:
 
 
 def _usable(
-    history: Sequence[PathPoint], control: Control, scale: Scale
+    history: Sequence[PathPoint], control: ControlName, scale: Scale
 ) -> tuple[Sequence[PathPoint], Sequence[float]]:
     """The last three states, fewer where the coordinate does not ascend (past a limit point), and where they are."""
     last, at = list(history[-3:]), coordinates(history[-3:], control, scale)
@@ -44,20 +44,20 @@ def _usable(
     return last, at
 
 
-def extrapolate(history: Sequence[PathPoint], control: Control, at: float, scale: Scale) -> State:
+def extrapolate(history: Sequence[PathPoint], control: ControlName, at: float, scale: Scale) -> State:
     """State at a volume, a pressure or an arc length, from the polynomial through the last three."""
     last, nodes = _usable(history, control, scale)
     return combine([p.state for p in last], list(_weights(nodes, at)))
 
 
-def predicted_pressure(history: Sequence[PathPoint], control: Control, at: float, scale: Scale) -> float:
+def predicted_pressure(history: Sequence[PathPoint], control: ControlName, at: float, scale: Scale) -> float:
     """Pressure at a volume or an arc length."""
     last, nodes = _usable(history, control, scale)
     return float(_weights(nodes, at) @ np.array([p.pressure_mpa for p in last]))
 
 
 def place_of_pressure(
-    history: Sequence[PathPoint], control: Control, low: float, high: float, pressure_mpa: float, scale: Scale
+    history: Sequence[PathPoint], control: ControlName, low: float, high: float, pressure_mpa: float, scale: Scale
 ) -> float:
     """Volume or arc length in [low, high] at which the predicted pressure is the given one, by bisection."""
     for _ in range(60):

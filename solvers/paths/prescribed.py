@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from solvers.discrete.domain import FloatArray
+from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, SolverError, StepFailed
 from solvers.linear.factor import Factor
@@ -75,7 +76,7 @@ def follow_motion(
         try:
             problem.set_state(replace(here, bodies_mm=bodies))
             _carry_along(problem, factor, settings)
-            report = solve_equilibrium(problem, factor, settings, pressure_mpa=0.0)
+            report = solve_equilibrium(problem, factor, settings, HeldLoad(0.0))
         except StepFailed as failure:
             problem.set_state(here)
             if failure.cause is not Cause.OUT_OF_MEMORY:
@@ -110,5 +111,5 @@ def _carry_along(problem: Problem, factor: Factor, settings: NewtonSettings) -> 
     problem.state.x.scatter_forward()
     if problem.bonded is not None and np.any(body_step):
         problem.bonded.update(-body_step)
-    if not problem.extremes()[0] > settings.least_det_f:
-        raise StepFailed(f"the motion would invert a cell: {problem.worst_cell()}", Cause.INVERTED_CELL)
+    if not problem.deformation.extremes()[0] > settings.least_det_f:
+        raise StepFailed(f"the motion would invert a cell: {problem.deformation.worst_cell()}", Cause.INVERTED_CELL)

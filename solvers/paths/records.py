@@ -7,12 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
 
-from solvers.equilibrium.newton import NewtonReport, NewtonSettings
+from solvers.equilibrium.forces import end_force, reaction
+from solvers.equilibrium.newton import NewtonReport, NewtonSettings, at_held_volume
 from solvers.errors import Cause
 from solvers.problem import Problem
 from solvers.state import State
 
-Control = Literal["pressure", "volume", "arc"]
+ControlName = Literal["pressure", "volume", "arc"]
 Progress = Callable[[str, float, int, float], None]
 
 
@@ -50,7 +51,7 @@ class PathSettings:
     """
 
     control: Literal["auto", "pressure", "volume", "arc"] = "auto"
-    start_control: Control = "volume"
+    start_control: ControlName = "volume"
     first_step: float = 0.3
     largest_step: float = 0.5
     first_pressure_step: float = 0.05
@@ -82,7 +83,7 @@ class PathState:
     volume_mm3, energy_mj, reaction_n
         Enclosed volume, stored energy, axial support force.
     end_force_n
-        Axial force on what holds or loads the other end, see `solvers.problem.Problem.end_force`.
+        Axial force on what holds or loads the other end, see `solvers.equilibrium.forces.end_force`.
     bond_slip_mm
         Root mean square slip of the bond to rigid bodies, weighted with its grade; NaN without bodies.
     newton
@@ -93,7 +94,7 @@ class PathState:
 
     state: State
     asked: bool
-    control: Control
+    control: ControlName
     volume_mm3: float
     energy_mj: float
     reaction_n: float
@@ -103,7 +104,7 @@ class PathState:
     wall_s: float
 
 
-def record(problem: Problem, report: NewtonReport, asked: bool, control: Control, start: float) -> PathState:
+def record(problem: Problem, report: NewtonReport, asked: bool, control: ControlName, start: float) -> PathState:
     """The problem's current state as a converged state of a path that began at ``start`` (perf_counter)."""
     return PathState(
         state=problem.get_state(),
@@ -111,8 +112,8 @@ def record(problem: Problem, report: NewtonReport, asked: bool, control: Control
         control=control,
         volume_mm3=problem.cavity_volume(),
         energy_mj=problem.energy(),
-        reaction_n=problem.reaction(),
-        end_force_n=problem.end_force(),
+        reaction_n=reaction(problem),
+        end_force_n=end_force(problem),
         bond_slip_mm=float("nan") if problem.bonded is None else problem.bonded.rms_slip_mm(),
         newton=report,
         wall_s=time.perf_counter() - start,
@@ -152,14 +153,21 @@ class PathPoint:
 
     @property
     def unstable_at_volume(self) -> int | None:
-        """Unstable modes at held volume, by Haynsworth: one less where dP/dV < 0."""
-        return None if self.unstable is None else self.unstable - (self.compliance_mm3_per_mpa < 0.0)
+        """Unstable modes at held volume."""
+        return at_held_volume(self.unstable, self.compliance_mm3_per_mpa)
 
 
 def point_of(item: PathState) -> PathPoint:
     """The part of a converged state that decides later steps."""
     report = item.newton
     return PathPoint(item.state, item.volume_mm3, report.compliance_mm3_per_mpa, report.excess_negatives)
+
+
+def point_now(problem: Problem, report: NewtonReport) -> PathPoint:
+    """The same of the problem's current state, which a solve has just found."""
+    return PathPoint(
+        problem.get_state(), problem.cavity_volume(), report.compliance_mm3_per_mpa, report.excess_negatives
+    )
 
 
 @dataclass(frozen=True)
@@ -238,7 +246,7 @@ class PathMemory:
     """
 
     history: tuple[PathPoint, ...]
-    control: Control
+    control: ControlName
     step: float
     reached: int
     rejected: int

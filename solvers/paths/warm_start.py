@@ -7,13 +7,14 @@ import math
 import time
 from collections.abc import Callable, Sequence
 
+from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import solve_equilibrium
 from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
+from solvers.paths.crossing import locate_crossing, lost_stability
 from solvers.paths.diagnosis import failed_steps
 from solvers.paths.records import GuessMemory, Path, PathPoint, PathSettings, PathState, Progress, point_of, record
 from solvers.problem import Problem
-from solvers.stability.crossing import locate_crossing, lost_stability
 from solvers.state import State, combine
 
 
@@ -64,7 +65,7 @@ def follow_guesses(
         pressure = target.load_mpa
         seen = None if progress is None else (lambda k, e, b=pressure: progress("warm start", b, k, e))
         try:
-            report = solve_equilibrium(problem, factor, settings.newton, pressure_mpa=pressure, on_iteration=seen)
+            report = solve_equilibrium(problem, factor, settings.newton, HeldLoad(pressure), seen)
         except StepFailed as failure:
             memory = dataclasses.replace(memory, rejected=memory.rejected + 1, share=0.5 * share)
             if memory.share < 1.0 / 32.0 or failure.cause is Cause.OUT_OF_MEMORY:

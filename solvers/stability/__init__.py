@@ -1,1 +1,1 @@
-"""Where states lose stability, in which mode, and against which harmonics of the angle."""
+"""Stability of axisymmetric states: against which harmonics of the angle, in which mode, and where along a path."""

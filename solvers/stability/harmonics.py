@@ -22,18 +22,21 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.sparse
-import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
 from solvers import compat
-from solvers.bodies.harmonic_bodies import MOTIONS, HarmonicBond
+from solvers.assembly.supports import dofs_of_facets, idle_pressures
+from solvers.assembly.surfaces import cell_measures
+from solvers.assembly.tangent import Border, assemble, bonded_dofs, new_matrix
+from solvers.assembly.term import Term
+from solvers.assembly.unknowns import displacement_dofs
 from solvers.discrete.domain import FloatArray, IntArray
 from solvers.discrete.kinematics import kinematics
 from solvers.energy.loads import DEAD
 from solvers.errors import SolverError
-from solvers.problem import SOFT, STIFF, Problem
+from solvers.problem import Problem
+from solvers.stability.harmonic_bodies import MOTIONS, HarmonicBond
 from solvers.stability.harmonic_forms import harmonic_load, harmonic_tangent, new_wave
 from solvers.state import Timer
 
@@ -78,12 +81,13 @@ class Harmonics:
     """
 
     conservative = True
-    contact = None
+    terms: tuple[Term, ...] = ()
 
     def __init__(self, problem: Problem) -> None:
         if not problem.domain.axisymmetric or problem.comm.size != 1:
             raise SolverError(
-                f"harmonics need a meridian on one rank, got dimension {problem.dimension} on {problem.comm.size} ranks"
+                "harmonics need a meridian on one rank, got dimension "
+                f"{problem.unknowns.dimension} on {problem.comm.size} ranks"
             )
         if problem.element.displacement_degree != 2:
             raise SolverError(f"harmonics need quadratic displacements, got {problem.element.name}")
@@ -105,7 +109,7 @@ class Harmonics:
         self._wave = new_wave(mesh)
         self._number_unknowns()
         self._find_supports()
-        self._coupled = self._coupled_dofs()
+        self._border = Border(self.space, bonded_dofs(self.domain, self.space, 3, self.bodies), MOTIONS)
         with self.timer("compile"):
             self._compile()
         self.select(0)
@@ -114,17 +118,14 @@ class Harmonics:
         """All forms first, then their compilation: see `solvers.problem`."""
         problem, mesh, degree = self.problem, self.domain.mesh, self.problem.quadrature_degree
         kin = kinematics(mesh, True)
-        dx, ds = self.domain.dx(degree=degree), self.domain.ds(degree=degree)
-        measures = {"soft": ufl.dx(domain=mesh, degree=degree)}
-        if problem.stiff is not None:
-            measures = {"soft": dx(SOFT), "stiff": dx(STIFF)}
+        ds = self.domain.ds(degree=degree)
+        measures = cell_measures(self.domain, degree, problem.stiff is not None)
         inverse_kappa = fem.Constant(mesh, problem.inverse_kappa)
         wave = self._wave
         tangent = harmonic_tangent(
             self.space, problem.state, kin, problem.law, inverse_kappa, problem.stiff, measures, wave
         )
         kind, loaded = problem.surfaces.load
-        self._sense = -1.0 if kind == "suction" else 1.0
         if kind == "suction":
             tangent += problem.pressure * harmonic_load(self.space, problem.state, kin, ds(loaded), wave)
         elif kind not in DEAD:
@@ -141,21 +142,15 @@ class Harmonics:
 
     def _number_unknowns(self) -> None:
         """Dofs of (a, c, s) at the mesh's nodes (nodes, 3), and those of q."""
-        geometry = compat.geometry_dofs(self.domain.mesh)
-        self.u_dofs = np.zeros((len(self.domain.input_node), 3), dtype=np.int64)
-        for i in range(3):
-            self.u_dofs[geometry, i] = compat.cell_dofs(self.space.sub(0).sub(i))
+        self.u_dofs = displacement_dofs(self.domain, self.space, 3)
         on_cells = compat.cell_dofs(self.space.sub(1))
         self.p_dofs = np.unique(on_cells).astype(np.int64)
         self._stiff_pressure = np.zeros(0, dtype=np.int64)
         if self.problem.stiff is not None:
-            tags = self.domain.cell_tags
-            soft = np.zeros(len(on_cells), dtype=bool)
-            soft[tags.indices[tags.values == SOFT]] = True
-            self._stiff_pressure = np.setdiff1d(self.p_dofs, np.unique(on_cells[soft]))
+            self._stiff_pressure = idle_pressures(self.domain, self.space)
         self._axis_pressure = np.zeros(0, dtype=np.int64)
         if self.problem.element.pressure == "continuous":
-            corners = geometry[:, : self.domain.corners]
+            corners = compat.geometry_dofs(self.domain.mesh)[:, : self.domain.corners]
             self._axis_pressure = np.unique(on_cells[self._on_axis[corners]]).astype(np.int64)
 
     @property
@@ -178,7 +173,7 @@ class Harmonics:
         self._held: list[IntArray] = []
         for i in range(3):
             facets = tags.indices[np.isin(tags.values, [number for number, j in held if j == i])]
-            dofs = fem.locate_dofs_topological(self.space.sub(0).sub(i), 1, facets).astype(np.int64)
+            dofs = dofs_of_facets(self.domain, self.space, facets, i)
             # the axis is named as held radially
             self._held.append(dofs if i == 1 else np.setdiff1d(dofs, axis))
 
@@ -219,66 +214,25 @@ class Harmonics:
         dofs = self.u_dofs[np.argmax(self.domain.mesh.geometry.x[:, 0])]
         return component, int(dofs[component])
 
-    # ---- rigid bodies --------------------------------------------------------------------------------------
-
-    def _coupled_dofs(self) -> list[IntArray]:
-        """Displacement dofs bonded to each body."""
-        tags = self.domain.facet_tags
-        out = []
-        for body in range(self.bodies):
-            facets = tags.indices[self.domain.facet_bodies == body]
-            found = [fem.locate_dofs_topological(self.space.sub(0).sub(i), 1, facets) for i in range(3)]
-            out.append(np.unique(np.concatenate(found)).astype(np.int64))
-        return out
-
     # ---- the matrix, as `solvers.linear.factor.Factor` wants it ----------------------------------------------------
 
     def new_matrix(self) -> PETSc.Mat:
         """Empty matrix with the pattern of every harmonic and the bodies' border."""
-        size = self.owned + self.extra
-        pattern = compat.cell_pattern(self.space)
-        pattern.resize((size, size))
-        row = [np.repeat(d, MOTIONS) for d in self._coupled]
-        column = [
-            np.tile(np.arange(k * MOTIONS, (k + 1) * MOTIONS) + self.owned, len(d)) for k, d in enumerate(self._coupled)
-        ]
-        own = np.arange(self.owned, size)
-        i = np.concatenate([*row, *column, np.repeat(own, self.extra)]).astype(np.int64)
-        j = np.concatenate([*column, *row, np.tile(own, self.extra)]).astype(np.int64)
-        pattern = (pattern + scipy.sparse.csr_matrix((np.ones(len(i), np.int8), (i, j)), shape=(size, size))).tocsr()
-        pattern.sort_indices()
-        csr = (pattern.indptr.astype(PETSc.IntType), pattern.indices.astype(PETSc.IntType), np.zeros(pattern.nnz))
-        matrix = PETSc.Mat().createAIJ(size=((size, size), (size, size)), csr=csr, comm=self.comm)
-        lgmap = PETSc.LGMap().create(np.arange(size, dtype=PETSc.IntType), comm=self.comm)
-        matrix.setLGMap(lgmap, lgmap)
-        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        matrix.setOption(PETSc.Mat.Option.IGNORE_ZERO_ENTRIES, True)
-        return matrix
+        patterns = [] if self.bond is None else [self._border.pattern()]
+        return new_matrix(self.space, self.extra, True, patterns)
 
     def assemble_tangent(self, matrix: PETSc.Mat) -> None:
         """K_m at the problem's current state, into ``matrix``."""
         with self.timer("tangent"):
-            matrix.zeroEntries()
-            compat.assemble_into(matrix, self._tangent, self.bcs, self.space)
-            if self.bond is not None:
-                matrix.assemblyBegin(PETSc.Mat.AssemblyType.FLUSH)
-                matrix.assemblyEnd(PETSc.Mat.AssemblyType.FLUSH)
-                self._add_border(matrix, self.bond)
-            matrix.assemble()
+            additions = [] if self.bond is None else [self._add_border]
+            assemble(matrix, self._tangent, self.bcs, self.space, additions)
 
-    def _add_border(self, matrix: PETSc.Mat, bond: HarmonicBond) -> None:
-        """Add the bodies' rows, columns and blocks; a motion that is held is a unit diagonal alone."""
-        columns, blocks = bond.border(self.waves, self._sense * float(self.problem.pressure.value))
+    def _add_border(self, matrix: PETSc.Mat) -> None:
+        """Add the bodies' rows, columns and blocks."""
+        assert self.bond is not None
+        columns, blocks = self.bond.border(self.waves)
         columns[self.is_constrained] = 0.0
-        add = PETSc.InsertMode.ADD_VALUES
-        for body, dofs in enumerate(self._coupled):
-            free = (~self.held_motions[body]).astype(float)
-            here, there = dofs.astype(PETSc.IntType), np.arange(MOTIONS, dtype=PETSc.IntType)
-            there = there + PETSc.IntType(self.owned + body * MOTIONS)
-            values = columns[dofs] * free
-            matrix.setValues(here, there, values, addv=add)
-            matrix.setValues(there, here, np.ascontiguousarray(values.T), addv=add)
-            matrix.setValues(there, there, blocks[body] * np.outer(free, free) + np.diag(1.0 - free), addv=add)
+        self._border.add(matrix, columns, blocks, self.held_motions)
 
     # ---- shapes ----------------------------------------------------------------------------------------------
 

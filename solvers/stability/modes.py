@@ -7,25 +7,26 @@ of which can be turned by a quarter of its wave.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from solvers.equilibrium.controls import HeldLoad, HeldVolume
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import SolverError, StepFailed
 from solvers.linear.factor import Factor
-from solvers.paths.records import PathPoint
+from solvers.linear.inverse_iteration import softest_mode
+from solvers.paths.bisection import narrow
+from solvers.paths.records import PathPoint, point_now
 from solvers.problem import Problem
 from solvers.stability.harmonics import Harmonics, Shape
 from solvers.state import State, combine
 
 WAVES = tuple(range(7))
-BISECTIONS = 40
 # Parts of the way that are tried in turn where Newton fails half-way.
 SHARES = (0.5, 0.25, 0.1)
 # The interval shrinks at least this much, also where the pressure is flat: at a limit point.
 LEAST_SHRINKING = 1e-2
-SHAPE_ITERATIONS = 30
 
 
 @dataclass(frozen=True)
@@ -103,27 +104,12 @@ class ModeCounter:
         return tuple(self.count(state, m) for m in self.waves)
 
     def shape(self, state: State, waves: int) -> Shape:
-        """The mode of a harmonic whose stiffness is closest to zero, 1 mm at most.
-
-        Inverse iteration ``x <- K^-1 D x`` with D = 1 on displacements and bodies and 0 on pressures, as
-        `solvers.stability.crossing.critical_mode`.
-        """
+        """The mode of a harmonic whose stiffness is closest to zero, 1 mm at most."""
         self.count(state, waves)
         h = self.harmonics
-        dofs, bodies = np.random.default_rng(29).standard_normal(h.owned), np.zeros(h.extra)
-        dead = h.is_constrained.copy()
-        dead[h.p_dofs] = True
-        stiffness = np.inf
-        for _ in range(SHAPE_ITERATIONS):
-            dofs[dead] = 0.0
-            size = np.sqrt(dofs @ dofs + bodies @ bodies)
-            dofs, bodies = dofs / size, bodies / size
-            new_dofs, new_bodies = self.factor.solve(dofs, bodies)
-            new = 1.0 / float(dofs @ new_dofs + bodies @ new_bodies)
-            dofs, bodies = new_dofs, new_bodies
-            if abs(new - stiffness) <= 1e-6 * abs(new):
-                break
-            stiffness = new
+        massless = h.is_constrained.copy()
+        massless[h.p_dofs] = True
+        dofs, bodies = softest_mode(self.factor, np.random.default_rng(29).standard_normal(h.owned), massless)
         raw = h.shape_of(dofs, bodies)
         # the sign of an eigenvector is nobody's: its largest component is made positive
         largest = raw.amplitude_mm.flat[np.argmax(np.abs(raw.amplitude_mm))]
@@ -168,7 +154,7 @@ def mode_crossings(
         of_harmonic = [count[k] for count in counts]
         place = next((i for i in range(1, len(points)) if of_harmonic[i] != of_harmonic[i - 1]), None)
         if place is not None:
-            before, after = zip(points[place - 1 : place + 1], of_harmonic[place - 1 : place + 1], strict=True)
+            before, after = (replace(points[i], unstable=of_harmonic[i]) for i in (place - 1, place))
             found.append((place, _locate(counter, factor, waves, before, after, tolerance)))
     # a volume may come twice, a place may have several harmonics
     return [crossing for _, crossing in sorted(found, key=lambda pair: (pair[0], pair[1].volume_mm3))]
@@ -178,33 +164,28 @@ def _locate(
     counter: ModeCounter,
     factor: Factor,
     waves: int,
-    before: tuple[PathPoint, int],
-    after: tuple[PathPoint, int],
+    before: PathPoint,
+    after: PathPoint,
     tolerance: float,
 ) -> ModeCrossing:
-    """The first change of a harmonic's count between two states with their counts."""
-    (low, count), (high, beyond) = before, after
-    width = 1.0
-    for _ in range(BISECTIONS):
-        near = abs(high.pressure_mpa - low.pressure_mpa) <= tolerance * abs(high.pressure_mpa)
-        if near and width <= LEAST_SHRINKING:
-            break
+    """The first change of a harmonic's count between two states, which carry its counts."""
+
+    def part_way(low: PathPoint, high: PathPoint) -> tuple[float, PathPoint] | None:
         step = _between(counter.problem, factor, low, high)
         if step is None:
-            break
+            return None
         share, middle = step
-        found = counter.count(middle.state, waves)
-        if found == count:
-            low, width = middle, width * (1.0 - share)
-        else:
-            high, beyond, width = middle, found, width * share
+        return share, replace(middle, unstable=counter.count(middle.state, waves))
+
+    low, high = narrow(before, after, part_way, tolerance, LEAST_SHRINKING)
+    assert before.unstable is not None and high.unstable is not None
     return ModeCrossing(
         waves,
         0.5 * (low.pressure_mpa + high.pressure_mpa),
         0.5 * abs(high.pressure_mpa - low.pressure_mpa),
         0.5 * (low.volume_mm3 + high.volume_mm3),
-        count,
-        beyond,
+        before.unstable,
+        high.unstable,
         high.state,
         counter.shape(high.state, waves),
     )
@@ -219,12 +200,8 @@ def _between(problem: Problem, factor: Factor, low: PathPoint, high: PathPoint) 
         volume = low.volume_mm3 + share * (high.volume_mm3 - low.volume_mm3)
         pressure = low.pressure_mpa + share * (high.pressure_mpa - low.pressure_mpa)
         try:
-            if moves:
-                report = solve_equilibrium(problem, factor, settings, volume_mm3=volume)
-            else:
-                report = solve_equilibrium(problem, factor, settings, pressure_mpa=pressure)
+            report = solve_equilibrium(problem, factor, settings, HeldVolume(volume) if moves else HeldLoad(pressure))
         except StepFailed:
             continue
-        compliance = report.compliance_mm3_per_mpa
-        return share, PathPoint(problem.get_state(), problem.cavity_volume(), compliance, report.excess_negatives)
+        return share, point_now(problem, report)
     return None

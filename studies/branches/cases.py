@@ -27,12 +27,14 @@ from analytical.laws.isotropic import NeoHooke
 from meshes.bodies import block, sphere_meridian, tube_meridian
 from meshes.solid import FACETS, FloatArray, SolidMesh
 from meshes.sweep import revolve_hexahedra
+from solvers.assembly.surfaces import Surfaces
 from solvers.discrete.domain import create_domain
 from solvers.linear.factor import Factor
 from solvers.paths.branch import BranchSettings, follow_branch
-from solvers.paths.path import follow_guesses, follow_path
+from solvers.paths.path import follow_path
 from solvers.paths.records import Crossing, GuessMemory, PathSettings, PathState
-from solvers.problem import Problem, Surfaces
+from solvers.paths.warm_start import follow_guesses
+from solvers.problem import Problem
 from solvers.state import State
 from studies.models.build import revolve_state, scene_body, scene_meridian, scene_problem
 from studies.results import provenance

@@ -15,14 +15,15 @@ from analytical.laws.silicones import DRAGON_SKIN_10
 from meshes.bodies import sphere_meridian, tube_meridian
 from meshes.solid import FACETS, FloatArray, SolidMesh
 from meshes.surface import boundary_edges
+from solvers.assembly.surfaces import Surfaces
 from solvers.contact.contact import Contact
 from solvers.contact.obstacles import Bore, Bowl
 from solvers.contact.pairs import Against, ContactSettings, Facing, Line, PairReport, Stop
 from solvers.discrete.domain import create_domain
 from solvers.linear.factor import Factor
-from solvers.paths.path import PathSettings, follow_path
-from solvers.paths.records import PathState
-from solvers.problem import Problem, Surfaces
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathSettings, PathState
+from solvers.problem import Problem
 from studies.models.contact import DEPTH, LIMIT, REACH, SMOOTHING, STIFFNESS
 from studies.results.rows import Row, row
 
@@ -113,7 +114,7 @@ def _tube_in_bore(stiffness: float) -> list[Row]:
     problem = _problem(mesh, ((FACETS["bottom"], 1), (FACETS["top"], 1)))
     line = _line(mesh, mesh.points[:, 0], TUBE.outer_radius_mm, -1.0)
     pair = Against("housing", 0, Bore(HOUSING_MM), None, np.empty(0))
-    contact = Contact(problem, mesh.points, [line], [pair], penalty(wall, stiffness), boundary_edges(mesh))
+    contact = Contact(problem.unknowns, mesh.points, [line], [pair], penalty(wall, stiffness), boundary_edges(mesh))
     bore = exact_tube.inner_radius_at_outer_mm(TUBE, HOUSING_MM)
     alone = exact_tube.pressure_at_inner_radius_mpa(TUBE, LAW, bore)
     area = 2.0 * math.pi * HOUSING_MM * LENGTH_MM
@@ -126,7 +127,7 @@ def _sphere_in_bowl() -> list[Row]:
     problem = _problem(mesh, ((FACETS["axis"], 0), (FACETS["bottom"], 1)))
     line = _line(mesh, np.linalg.norm(mesh.points, axis=1), b, -1.0)
     pair = Against("housing", 0, Bowl(HOUSING_MM), None, np.empty(0))
-    contact = Contact(problem, mesh.points, [line], [pair], penalty(b - a), boundary_edges(mesh))
+    contact = Contact(problem.unknowns, mesh.points, [line], [pair], penalty(b - a), boundary_edges(mesh))
     bore = (HOUSING_MM**3 - b**3 + a**3) ** (1.0 / 3.0)
     alone = exact_sphere.pressure_at_inner_radius_mpa(SPHERE, LAW, bore)
     area = 2.0 * math.pi * HOUSING_MM**2
@@ -153,7 +154,7 @@ def _tube_in_tube() -> list[Row]:
     lines = [_line(mesh, radius, TUBE.outer_radius_mm, -1.0), _line(mesh, radius, OUTER_TUBE.inner_radius_mm, 1.0)]
     pairs: list[Against | Facing | Stop] = [Facing("tubes", 0, 1), Facing("tubes", 1, 0)]
     wall = TUBE.outer_radius_mm - TUBE.inner_radius_mm
-    problem.contact = Contact(problem, mesh.points, lines, pairs, penalty(wall), boundary_edges(mesh))
+    problem.contact = Contact(problem.unknowns, mesh.points, lines, pairs, penalty(wall), boundary_edges(mesh))
     bore = exact_tube.inner_radius_at_outer_mm(TUBE, TOGETHER_MM)
     alone = exact_tube.pressure_at_inner_radius_mpa(TUBE, LAW, bore)
     both = alone + exact_tube.pressure_at_inner_radius_mpa(OUTER_TUBE, LAW, TOGETHER_MM)

@@ -13,9 +13,12 @@ from typing import Final
 import numpy as np
 from mpi4py import MPI
 
+from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.linear.factor import Factor
-from solvers.paths.path import PathSettings, follow_guesses, follow_path
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathSettings
+from solvers.paths.warm_start import follow_guesses
 from solvers.problem import Problem
 from solvers.state import State
 from studies.models.build import revolve_state, scene_body, scene_meridian, scene_problem
@@ -116,7 +119,7 @@ def measure_costs(scene: Scene, around: int = AROUND) -> Costs:
         # never a factor twice: so many tangents, factorisations, solves as iterations, and once more for the count
         problem.set_state(here)
         pressure = 1.01 * here.load_mpa
-        solve_equilibrium(problem, factor, NewtonSettings(reuse_below=0.0), pressure_mpa=pressure)
+        solve_equilibrium(problem, factor, NewtonSettings(reuse_below=0.0), HeldLoad(pressure))
 
     before = dict(problem.timer.seconds)
     counts = factor.count
@@ -145,7 +148,7 @@ def measure_costs(scene: Scene, around: int = AROUND) -> Costs:
 def solve_equilibrium_at(problem: Problem, factor: Factor, guess: State) -> None:
     """Equilibrium at a guess's pressure."""
     problem.set_state(guess)
-    solve_equilibrium(problem, factor, NewtonSettings(), pressure_mpa=guess.load_mpa)
+    solve_equilibrium(problem, factor, NewtonSettings(), HeldLoad(guess.load_mpa))
 
 
 def measure_starts(scene: Scene, around: int = AROUND_PATH) -> Starts:

@@ -18,7 +18,8 @@ from mpi4py import MPI
 from solvers.errors import SolverError
 from solvers.linear.factor import Factor
 from solvers.linear.krylov import IterativeSolver
-from solvers.paths.path import PathSettings, follow_path
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathSettings
 from studies.models.build import revolve_state, scene_body, scene_meridian, scene_problem
 from studies.results import provenance
 from studies.results.files import write_text_atomically
@@ -96,7 +97,7 @@ def measure(scene: Scene, around: int, refinement: int, method: Method, comm: MP
     body = scene_body(meridian, "full3d", around)
     problem = scene_problem(scene, body if comm.rank == 0 else None, comm)
     problem.set_state(revolve_state(flat, meridian, body))
-    load = problem.load_force() * ~problem.constrained_owned
+    load = problem.load.force() * ~problem.constrained_owned
     provenance.reset_peak_memory()
     linear = Factor(problem) if method == "direct" else IterativeSolver(problem)
     # assembled once more than needed, to know its share of the CPU time of the set-up

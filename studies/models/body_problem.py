@@ -26,9 +26,10 @@ from meshes.solid import FACETS, FloatArray, SolidMesh
 from meshes.surface import surface_weights
 from meshes.sweep import FULL_CIRCLE, revolve_hexahedra
 from meshes.user_mesh import read_user_mesh
+from solvers.assembly.surfaces import SOFT, Surfaces
 from solvers.bodies.rigid import RigidBodies
 from solvers.discrete.domain import create_domain
-from solvers.problem import SOFT, Problem, Surfaces
+from solvers.problem import Problem
 from solvers.state import State
 from studies.models.build import element_of
 from studies.planning.body_plan import cells_of

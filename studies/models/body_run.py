@@ -16,6 +16,7 @@ from mpi4py import MPI
 from analytical.laws.silicones import SILICONE_DENSITY_G_CM3
 from meshes.quality import region_volumes_mm3
 from meshes.solid import SolidMesh
+from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, SolverError
 from solvers.linear.factor import Factor
@@ -234,7 +235,7 @@ def _small_tension(problem: Problem, factor: Factor, highest_mpa: float, setting
     step = settings.first_pressure_step * highest_mpa
     blank = problem.zero_state()
     problem.set_state(State(blank.displacement_mm, 0.0 * blank.pressure_mpa + step, blank.bodies_mm, step))
-    report = solve_equilibrium(problem, factor, NewtonSettings(), pressure_mpa=step)
+    report = solve_equilibrium(problem, factor, NewtonSettings(), HeldLoad(step))
     point = PathPoint(
         problem.get_state(), problem.cavity_volume(), report.compliance_mm3_per_mpa, report.excess_negatives
     )

@@ -18,10 +18,11 @@ from meshes.quality import region_volumes_mm3
 from meshes.revolve import revolve, revolve_scalar, revolve_vector
 from meshes.solid import FACETS, REGIONS, SolidMesh
 from meshes.sweep import FULL_CIRCLE, revolve_hexahedra
+from solvers.assembly.surfaces import SOFT, STIFF, Surfaces
 from solvers.bodies.rigid import RigidBodies
 from solvers.discrete.domain import create_domain
 from solvers.discrete.elements import P1_P0, P2_P0, Element
-from solvers.problem import SOFT, STIFF, Problem, Surfaces
+from solvers.problem import Problem
 from solvers.state import State, pressure_at_corners
 from studies.scene.bellows import (
     RIGID_BOND_MPA_PER_MM,

@@ -74,7 +74,9 @@ def scene_contact(scene: Scene, mesh: SolidMesh, problem: Problem, stiffness: fl
     pairs: list[Against | Facing | Stop] = [Facing("folds inside", 0, 0), Facing("folds outside", 1, 1)]
     if scene.rings.model == "rigid":
         pairs += _ring_pairs(scene, gauss_points(mesh.points, lines[1].nodes))
-    return Contact(problem, mesh.points, lines, pairs, contact_settings(scene, stiffness), boundary_edges(mesh))
+    return Contact(
+        problem.unknowns, mesh.points, lines, pairs, contact_settings(scene, stiffness), boundary_edges(mesh)
+    )
 
 
 def _ring_pairs(scene: Scene, at: FloatArray) -> list[Against | Facing | Stop]:

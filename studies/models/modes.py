@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
+from solvers.equilibrium.forces import end_force
 from solvers.errors import SolverError, StepFailed
 from solvers.files import write_atomically
 from solvers.linear.factor import Factor
@@ -252,7 +253,7 @@ def _found(crossing: ModeCrossing, problem: Problem, tip_mm: Callable[[State], f
         before=crossing.before,
         after=crossing.after,
         tip_mm=math.nan if tip_mm is None else tip_mm(crossing.state),
-        tip_force_n=math.nan if tip_mm is None else problem.end_force(),
+        tip_force_n=math.nan if tip_mm is None else end_force(problem),
     )
 
 

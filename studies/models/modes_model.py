@@ -10,7 +10,8 @@ from mpi4py import MPI
 from meshes.revolve import revolve
 from meshes.solid import FACETS, SolidMesh
 from meshes.sweep import revolve_hexahedra
-from solvers.problem import Problem, Surfaces
+from solvers.assembly.surfaces import Surfaces
+from solvers.problem import Problem
 from studies.models.body_problem import Body, body_of, problem_of
 from studies.models.body_run import run_exact
 from studies.models.build import scene_meridian, scene_problem

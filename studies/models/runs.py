@@ -26,9 +26,10 @@ from solvers.errors import Cause, SolverError
 from solvers.linear.factor import Factor
 from solvers.linear.krylov import IterativeSolver
 from solvers.output import write_vtu
-from solvers.paths.path import follow_guesses, follow_path
+from solvers.paths.path import follow_path
 from solvers.paths.records import GuessMemory, PathMemory, PathSettings, PathState
 from solvers.paths.records import Path as EquilibriumPath
+from solvers.paths.warm_start import follow_guesses
 from solvers.problem import Problem
 from solvers.state import State
 from studies.models.build import SECTORS, Tip, masses_g, revolve_state, scene_body, scene_meridian, scene_problem

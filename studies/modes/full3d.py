@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
+from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import SolverError, StepFailed
 from solvers.linear.factor import Factor
@@ -61,7 +62,7 @@ def confirm_rows(model: ModesModel, folder: Path, crossing: FoundCrossing, aroun
             here = _at_pressure(flat, flat_factor, start, pressure)
             expected = float(on_full_circle(counter.counts(here)))
             solid.set_state(revolve_state(here, meridian, body))
-            report = solve_equilibrium(solid, solid_factor, NewtonSettings(), pressure_mpa=pressure)
+            report = solve_equilibrium(solid, solid_factor, NewtonSettings(), HeldLoad(pressure))
             value = math.nan if report.excess_negatives is None else float(report.excess_negatives)
         except (StepFailed, SolverError) as error:
             status = f"stopped at {1e3 * pressure:.6g} kPa: {error}"
@@ -78,5 +79,5 @@ def confirm_rows(model: ModesModel, folder: Path, crossing: FoundCrossing, aroun
 
 def _at_pressure(problem: Problem, factor: Factor, start: State, pressure_mpa: float) -> State:
     problem.set_state(start)
-    solve_equilibrium(problem, factor, NewtonSettings(), pressure_mpa=pressure_mpa)
+    solve_equilibrium(problem, factor, NewtonSettings(), HeldLoad(pressure_mpa))
     return problem.get_state()

@@ -13,12 +13,13 @@ from dolfinx import fem
 
 from analytical.laws.isotropic import Law
 from solvers import compat
+from solvers.assembly.surfaces import Surfaces
 from solvers.discrete.domain import Domain
 from solvers.discrete.elements import QUADRATURE_DEGREE, Element
 from solvers.discrete.kinematics import kinematics
 from solvers.energy.forms import invariants
 from solvers.energy.loads import load_forms, load_tangent
-from solvers.problem import Problem, Surfaces
+from solvers.problem import Problem
 from studies.stability.cells import Flaw
 
 

@@ -27,14 +27,16 @@ from meshes.errors import GeometryError, MeshError
 from meshes.meridian import default_resolution, meridian_mesh
 from meshes.solid import FACETS, REGIONS, SolidMesh
 from meshes.surface import surface_weights
+from solvers.assembly.surfaces import SOFT, STIFF, Surfaces
 from solvers.discrete.domain import create_domain
 from solvers.discrete.elements import P2_P0
+from solvers.equilibrium.controls import HeldLoad, HeldVolume
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, SolverError, StepFailed
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
 from solvers.paths.records import PathSettings
-from solvers.problem import SOFT, STIFF, Problem, Surfaces
+from solvers.problem import Problem
 from solvers.state import State, combine, pressure_at_corners
 from studies.models.build import Tip, scene_meridian, scene_problem
 from studies.results import provenance
@@ -368,7 +370,7 @@ def _vacuum(
         volume = here[1] - step
         problem.set_state(guess(volume))
         try:
-            report = solve_equilibrium(problem, factor, newton, volume_mm3=volume)
+            report = solve_equilibrium(problem, factor, newton, HeldVolume(volume))
             iterations += report.iterations
             found = (problem.get_state(), volume)
             nearest = room_mm + float(np.diff(found[0].bodies_mm[:, 0]).min())
@@ -381,7 +383,7 @@ def _vacuum(
                     break
                 part = (kpa - reached) / (-1e3 * found[0].load_mpa - reached)
                 problem.set_state(combine([here[0], found[0]], [1.0 - part, part]))
-                report = solve_equilibrium(problem, factor, newton, pressure_mpa=-1e-3 * kpa)
+                report = solve_equilibrium(problem, factor, newton, HeldLoad(-1e-3 * kpa))
                 if not found[1] - 1e-6 * unit <= problem.cavity_volume() <= here[1] + 1e-6 * unit:
                     raise StepFailed("pressure control left the path")
                 iterations += report.iterations

@@ -13,11 +13,12 @@ from meshes.bellows import BellowsShape
 from meshes.meridian import Resolution, meridian_mesh
 from meshes.solid import FACETS
 from meshes.sweep import revolve_hexahedra
+from solvers.assembly.surfaces import Surfaces
 from solvers.bodies.rigid import RigidBodies
 from solvers.discrete.domain import create_domain
 from solvers.linear.factor import Factor
 from solvers.linear.krylov import IterativeSolver
-from solvers.problem import Problem, Surfaces
+from solvers.problem import Problem
 
 SHAPE = BellowsShape(5.0, 10.5, 1.0, 5.0, 1, 3.0, 4.0, 0.5, 5.0)
 
@@ -31,7 +32,7 @@ def main() -> None:
     bodies = RigidBodies(5.0, 2.0, np.ones(domain.nodes), SHAPE.crest_positions_mm, SHAPE.seat_radius_mm)
     surfaces = Surfaces(FACETS["cavity"], FACETS["clamped"], FACETS["bond"])
     problem = Problem(domain, DRAGON_SKIN_10, 0.0, surfaces, None, bodies)
-    load = problem.load_force() * ~problem.constrained_owned
+    load = problem.load.force() * ~problem.constrained_owned
     found = {}
     for name, solver in (("direct", Factor(problem)), ("iterative", IterativeSolver(problem))):
         solver.refresh()

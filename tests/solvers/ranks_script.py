@@ -19,12 +19,15 @@ from meshes.meridian import Resolution, meridian_mesh
 from meshes.revolve import revolve, revolve_scalar, revolve_vector
 from meshes.solid import FACETS, SolidMesh
 from meshes.sweep import revolve_hexahedra
+from solvers.assembly.surfaces import Surfaces
 from solvers.bodies.rigid import RigidBodies
 from solvers.discrete.domain import create_domain
 from solvers.equilibrium.newton import NewtonSettings
 from solvers.linear.factor import Factor
-from solvers.paths.path import PathSettings, follow_guesses, follow_path
-from solvers.problem import Problem, Surfaces
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathSettings
+from solvers.paths.warm_start import follow_guesses
+from solvers.problem import Problem
 from solvers.state import State, pressure_at_corners
 
 SHAPE = BellowsShape(5.0, 10.5, 1.0, 5.0, 1, 3.0, 4.0, 0.5, 5.0)

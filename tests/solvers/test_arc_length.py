@@ -22,8 +22,8 @@ from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
 from solvers.paths.arc import FARTHEST, Scale, distance, refuse_far, refuse_jump, volume_turns_back
 from solvers.paths.checkpoint import read_checkpoint, write_checkpoint
-from solvers.paths.path import PathSettings, follow_path
-from solvers.paths.records import PathMemory, PathPoint
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathMemory, PathPoint, PathSettings
 from solvers.state import State
 
 SCRIPT = Path(__file__).with_name("two_spheres.py")

@@ -13,10 +13,13 @@ from meshes.meridian import meridian_mesh
 from meshes.solid import FACETS
 from meshes.sweep import revolve_hexahedra
 from solvers.bodies.rigid import RigidBodies
+from solvers.equilibrium.controls import HeldLoad
+from solvers.equilibrium.forces import end_force
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import StepFailed
 from solvers.linear.factor import Factor
-from solvers.paths.path import PathSettings, follow_path
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathSettings
 from solvers.state import State
 
 TIGHT = NewtonSettings(relative_tolerance=1e-11)
@@ -95,7 +98,7 @@ def test_a_blocked_rim_keeps_its_height(bellows) -> None:
     case = bellows("cap")
     path = follow_path(case.problem, case.factor, [PRESSURE_MPA], PathSettings(newton=TIGHT))
     mesh = case.problem.domain
-    rim = np.unique(case.problem._axial_dofs(FACETS["tip"]))
+    rim = case.problem.unknowns.supports.blocked_axial
     assert len(rim) > 3 and mesh.axisymmetric
     assert np.all(case.problem.state.x.array[rim] == 0.0)
     assert path.reached
@@ -106,7 +109,7 @@ def test_force_at_a_held_end_is_the_slope_of_the_potential(bellows, tube, end: s
     case = blocked(bellows, tube, end)
     problem = case.problem
     problem.set_state(problem.zero_state())
-    axial = problem._axial_dofs(FACETS["tip"]) if end == "cap" else None
+    axial = problem.unknowns.supports.blocked_axial
 
     def hold(at_mm: float) -> tuple[float, float]:
         """Potential energy - P V and force with the end held at an elongation."""
@@ -117,8 +120,8 @@ def test_force_at_a_held_end_is_the_slope_of_the_potential(bellows, tube, end: s
             problem.set_state(dataclasses.replace(state, bodies_mm=motion))
         else:
             problem.state.x.array[axial] = at_mm
-        solve_equilibrium(problem, case.factor, TIGHT, pressure_mpa=PRESSURE_MPA)
-        return problem.energy() - PRESSURE_MPA * problem.cavity_volume(), problem.end_force()
+        solve_equilibrium(problem, case.factor, TIGHT, HeldLoad(PRESSURE_MPA))
+        return problem.energy() - PRESSURE_MPA * problem.cavity_volume(), end_force(problem)
 
     hold(0.0)
     h = 0.02
@@ -171,7 +174,7 @@ def test_a_pulled_plate_goes_out_without_pressure_as_far_as_its_work_says(bellow
     rest = []
     for force in (0.025, 0.05, 0.075, 0.1):
         problem.bonded.dead_force_n = force
-        solve_equilibrium(problem, case.factor, TIGHT, pressure_mpa=0.0)
+        solve_equilibrium(problem, case.factor, TIGHT, HeldLoad(0.0))
         rest.append((float(problem.body_values[0, 0]), problem.energy()))
     way, energy = np.array([(0.0, 0.0), *rest]).T
     # Boole's rule for the work of the force along the way, from four steps: measured within 1e-5
@@ -190,6 +193,6 @@ def test_states_of_a_held_plate_keep_their_motion(tube) -> None:
     motion = np.array([[0.0, 0.0, 0.3, 0.0, 0.0, 0.0]])
     zero = problem.zero_state()
     problem.set_state(State(zero.displacement_mm, zero.pressure_mpa, motion, 0.0))
-    solve_equilibrium(problem, tube.factor, TIGHT, pressure_mpa=0.0)
+    solve_equilibrium(problem, tube.factor, TIGHT, HeldLoad(0.0))
     assert np.array_equal(problem.body_values, motion)
-    assert problem.end_force() < 0.0  # a stretched tube pulls inwards
+    assert end_force(problem) < 0.0  # a stretched tube pulls inwards

@@ -20,7 +20,7 @@ from solvers.state import State
 def worst_difference(problem: Problem) -> float:
     """Largest difference of potential and traction on random directions that respect the constraints."""
     rng = np.random.default_rng(17)
-    potential, traction = problem.volume_gradient(), problem.load_traction()
+    potential, traction = problem.load.gradient(), problem.load.traction()
     directions = rng.standard_normal((5, problem.owned)) * ~problem.constrained_owned
     # relative to the sum of the absolute values that cancel in the scalar product
     return float(np.abs((directions @ (potential - traction)) / (np.abs(directions) @ np.abs(traction))).max())
@@ -132,7 +132,7 @@ def test_volume_gradient_is_the_derivative_of_the_volume(bellows_problem, dimens
     problem = case.problem
     shake(problem, case.mesh, 6)
     direction = np.random.default_rng(7).standard_normal(problem.owned)
-    slope = problem.volume_gradient() @ direction
+    slope = problem.load.gradient() @ direction
     start = problem.state.x.array.copy()
     values = []
     for step in (-2.0, -1.0, 1.0, 2.0):
@@ -158,7 +158,7 @@ def test_reaction_in_3d_is_the_pressure_on_the_meshs_inlet(
         problem.set_state(point.state)
         lift = np.zeros(problem.owned)
         lift[problem.u_dofs[:, 2]] = 1.0
-        area = problem.load_traction() @ lift
+        area = problem.load.traction() @ lift
         # the closed surface less the inlet: the inlet's area, eight parabolas round: 8e-4 short
         assert area == pytest.approx(math.pi * one_convolution.crest_radius_mm**2, rel=1e-3)
         assert point.reaction_n == pytest.approx(-point.state.load_mpa * area, rel=1e-9)  # Newton's residual

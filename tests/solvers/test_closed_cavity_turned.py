@@ -12,10 +12,12 @@ from scipy.spatial.transform import Rotation
 from analytical.laws.silicones import DRAGON_SKIN_10
 from meshes.bodies import block
 from meshes.solid import FACETS, SolidMesh
+from solvers.assembly.surfaces import Surfaces
 from solvers.discrete.domain import create_domain
+from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.linear.factor import Factor
-from solvers.problem import Problem, Surfaces
+from solvers.problem import Problem
 
 SIZE_MM = 3.0
 PRESSURE_MPA = 0.02
@@ -76,7 +78,7 @@ def inflate(mesh: SolidMesh, turn: np.ndarray, pins: tuple[int, int, int]) -> di
     problem = Problem(create_domain(MPI.COMM_SELF, turned), DRAGON_SKIN_10, 0.0, surfaces, frame=matrix)
     assert problem.conservative  # a closed surface, however it lies
     settings = NewtonSettings(relative_tolerance=1e-11)
-    report = solve_equilibrium(problem, Factor(problem), settings, pressure_mpa=PRESSURE_MPA)
+    report = solve_equilibrium(problem, Factor(problem), settings, HeldLoad(PRESSURE_MPA))
     state = problem.get_state()
     return {
         "energy_mj": problem.energy(),

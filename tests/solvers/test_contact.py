@@ -20,10 +20,12 @@ from meshes.surface import boundary_edges
 from solvers.contact.contact import Contact
 from solvers.contact.obstacles import Bore, Bowl, RoundedBox
 from solvers.contact.pairs import Against, ContactSettings, Facing, Line, Stop
+from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, SolverError, StepFailed
 from solvers.linear.factor import Factor
-from solvers.paths.path import PathSettings, follow_path
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathSettings
 
 LAW = DRAGON_SKIN_10
 INNER, OUTER = Tube(5.0, 6.0), Tube(7.0, 8.5)
@@ -52,7 +54,7 @@ def tube_in_bore(strip, sides, make_problem):
 
     def contact(settings=SETTINGS):
         pair = Against("housing", 0, Bore(HOUSING_MM), None, np.empty(0))
-        return Contact(problem, mesh.points, [line], [pair], settings, boundary_edges(mesh))
+        return Contact(problem.unknowns, mesh.points, [line], [pair], settings, boundary_edges(mesh))
 
     return SimpleNamespace(mesh=mesh, problem=problem, contact=contact)
 
@@ -82,7 +84,9 @@ def tube_in_tube(strip, sides, make_problem):
     lines = [line_of(mesh, INNER.outer_radius_mm, -1.0), line_of(mesh, OUTER.inner_radius_mm, 1.0)]
     pairs = [Facing("tubes", 0, 1), Facing("tubes", 1, 0)]
     return SimpleNamespace(
-        mesh=mesh, problem=problem, contact=Contact(problem, mesh.points, lines, pairs, SETTINGS, boundary_edges(mesh))
+        mesh=mesh,
+        problem=problem,
+        contact=Contact(problem.unknowns, mesh.points, lines, pairs, SETTINGS, boundary_edges(mesh)),
     )
 
 
@@ -156,7 +160,7 @@ def test_sphere_in_a_bowl_carries_what_the_exact_sphere_leaves(make_problem):
     nodes = nodes[np.argsort(mesh.points[nodes, 1])]
     line = Line(nodes, -1.0, np.ones(8, dtype=bool))
     pair = Against("bowl", 0, Bowl(bowl_mm), None, np.empty(0))
-    problem.contact = Contact(problem, mesh.points, [line], [pair], SETTINGS, boundary_edges(mesh))
+    problem.contact = Contact(problem.unknowns, mesh.points, [line], [pair], SETTINGS, boundary_edges(mesh))
     bore_mm = (bowl_mm**3 - 6.0**3 + 5.0**3) ** (1.0 / 3.0)
     assert sphere_radius_mm(sphere, bore_mm, 6.0) == pytest.approx(bowl_mm)
     alone = sphere_pressure_mpa(sphere, LAW, bore_mm)
@@ -220,7 +224,7 @@ WIDE = ContactSettings(stiffness_mpa_per_mm=2.0, smoothing_mm=0.2, depth_mm=0.5,
 def test_derivatives_between_two_lines(tube_in_tube):
     problem, old = tube_in_tube.problem, tube_in_tube.contact
     problem.contact = Contact(
-        problem, tube_in_tube.mesh.points, old.lines, old.pairs, WIDE, boundary_edges(tube_in_tube.mesh)
+        problem.unknowns, tube_in_tube.mesh.points, old.lines, old.pairs, WIDE, boundary_edges(tube_in_tube.mesh)
     )
     start = random_values(problem.contact, 0.01)
     inner = problem.u_dofs[np.argsort(problem.domain.input_node)][: 9 * 9, 0]
@@ -238,7 +242,9 @@ def test_derivatives_against_rigid_sections(tube_in_bore, obstacle):
     pair = Against("section", 0, obstacle, None, np.empty(0))
     nodes = column(tube_in_bore.mesh, INNER.outer_radius_mm)
     lines = [Line(nodes, -1.0, np.ones(4, dtype=bool))]
-    problem.contact = Contact(problem, tube_in_bore.mesh.points, lines, [pair], WIDE, boundary_edges(tube_in_bore.mesh))
+    problem.contact = Contact(
+        problem.unknowns, tube_in_bore.mesh.points, lines, [pair], WIDE, boundary_edges(tube_in_bore.mesh)
+    )
     check_derivatives(problem, random_values(problem.contact, 0.01))
 
 
@@ -253,7 +259,7 @@ def test_derivatives_with_moving_rings(bellows_problem):
         Stop("rings", 0, 1, 0.3, 10.0),
     ]
     try:
-        problem.contact = Contact(problem, mesh.points, [line], pairs, WIDE, boundary_edges(mesh))
+        problem.contact = Contact(problem.unknowns, mesh.points, [line], pairs, WIDE, boundary_edges(mesh))
         start = random_values(problem.contact, 0.01)
         start[problem.owned + 1] -= 0.2  # the second ring towards the first
         check_derivatives(problem, start)
@@ -292,12 +298,12 @@ def test_a_line_beyond_another_is_seen_although_no_gap_is(tube_in_tube):
 def test_contact_in_3d_is_refused(bellows_problem):
     problem = bellows_problem(3).problem
     with pytest.raises(SolverError, match="on meridians"):
-        Contact(problem, np.zeros((1, 2)), [], [], SETTINGS, np.empty((0, 3), dtype=np.int64))
+        Contact(problem.unknowns, np.zeros((1, 2)), [], [], SETTINGS, np.empty((0, 3), dtype=np.int64))
 
 
 def test_the_unloaded_state_is_not_touched(tube_in_bore):
     problem = tube_in_bore.problem
     problem.contact = tube_in_bore.contact()
     problem.set_state(problem.zero_state())
-    report = solve_equilibrium(problem, Factor(problem), NewtonSettings(), pressure_mpa=0.0)
+    report = solve_equilibrium(problem, Factor(problem), NewtonSettings(), HeldLoad(0.0))
     assert report.iterations == 0

@@ -61,7 +61,7 @@ def volume_within(area: float) -> float:
 def test_volume_closed_by_a_plate_that_has_tilted_and_drifted(tube) -> None:
     mesh, problem, area = tube
     motion = np.concatenate([SHIFT, TURN * ARM_MM])[None]
-    problem.set_state(State(towards_the_plate(mesh.points), np.zeros(problem.pressure_shape), motion, 0.0))
+    problem.set_state(State(towards_the_plate(mesh.points), np.zeros(problem.unknowns.pressure_shape), motion, 0.0))
     plate, _, _ = problem.bonded.plate_volume()
     assert plate > 10.0  # without it the volume would be 2 % off
     # det F is linear in x and y here, so only the area counts, not the shape of the circle: round-off
@@ -116,7 +116,7 @@ def test_tangent_under_pressure_sees_the_plate(tube) -> None:
         problem.bonded.values[:] = moved(base, h * turn[None], ARM_MM)
         problem.bonded.update(np.zeros(0))
         force, on_bodies = problem.internal_force()
-        force = force - float(problem.pressure.value) * problem.volume_gradient()
+        force = force - float(problem.pressure.value) * problem.load.gradient()
         force[problem.constrained_owned] = 0.0
         return np.concatenate([force, on_bodies])
 

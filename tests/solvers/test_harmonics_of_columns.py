@@ -12,6 +12,7 @@ from analytical.laws.isotropic import NeoHooke
 from meshes.revolve import revolve_vector
 from meshes.sweep import revolve_hexahedra
 from solvers.bodies.rigid import RigidBodies
+from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.linear.factor import Factor
 from solvers.stability.modes import ModeCounter
@@ -39,7 +40,7 @@ def column(strip, sides, make_problem, length_mm: float, along: int, around: int
 def push(case: SimpleNamespace, force_n: float, pressure_mpa: float) -> tuple[State, int | None]:
     """Equilibrium of the straight column, and its own count of unstable modes."""
     case.problem.bonded.dead_force_n = -force_n
-    report = solve_equilibrium(case.problem, case.factor, NewtonSettings(), pressure_mpa=pressure_mpa)
+    report = solve_equilibrium(case.problem, case.factor, NewtonSettings(), HeldLoad(pressure_mpa))
     return case.problem.get_state(), report.excess_negatives
 
 

@@ -14,11 +14,13 @@ from mpi4py import MPI
 from analytical.laws.isotropic import Law, NeoHooke
 from analytical.laws.silicones import DRAGON_SKIN_10
 from meshes.solid import FACETS
+from solvers.assembly.surfaces import SOFT, Surfaces
 from solvers.discrete.domain import create_domain
 from solvers.discrete.elements import QUADRATURE_DEGREE
 from solvers.linear.factor import Factor
-from solvers.paths.path import PathSettings, follow_path
-from solvers.problem import SOFT, Problem, Surfaces
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathSettings
+from solvers.problem import Problem
 
 CASES: dict[str, tuple[Law, tuple[float, ...], float]] = {
     "yeoh": (DRAGON_SKIN_10, DRAGON_SKIN_10.c_mpa, 0.020),

@@ -12,11 +12,13 @@ from meshes.meridian import Resolution, meridian_mesh
 from meshes.revolve import revolve
 from meshes.solid import FACETS
 from solvers.bodies.rigid import RigidBodies
+from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, SolverError, StepFailed
 from solvers.linear.factor import Factor
 from solvers.linear.krylov import IterativeSettings, IterativeSolver
-from solvers.paths.path import PathSettings, follow_path
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathSettings
 
 SCRIPT = Path(__file__).with_name("iterative_ranks_script.py")
 
@@ -34,7 +36,7 @@ def test_newton_with_it_goes_where_newton_with_factors_goes(one_convolution, mak
     found = []
     for linear in (factor, solver):
         problem.set_state(problem.zero_state())
-        report = solve_equilibrium(problem, linear, NewtonSettings(), pressure_mpa=0.0005)
+        report = solve_equilibrium(problem, linear, NewtonSettings(), HeldLoad(0.0005))
         found.append((problem.get_state(), report))
     (direct, of_direct), (iterative, of_iterative) = found
     largest = np.abs(direct.displacement_mm).max()
@@ -81,7 +83,7 @@ def test_too_few_iterations_are_a_failed_step_with_numbers_and_end_a_path(bellow
     solver = IterativeSolver(problem, IterativeSettings(max_iterations=3))
     problem.set_state(problem.zero_state())
     solver.refresh()
-    load = problem.load_force() * ~problem.constrained_owned
+    load = problem.load.force() * ~problem.constrained_owned
     with pytest.raises(
         StepFailed, match="GMRES stopped after 3 iterations with a residual of .* allow more"
     ) as failure:

@@ -7,7 +7,8 @@ import pytest
 
 from solvers.errors import Cause, StepFailed
 from solvers.linear import factor as linear
-from solvers.paths.path import PathSettings, follow_path
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathSettings
 
 OUT_OF_CORE = linear.LADDER.index({22: 1})
 
@@ -40,7 +41,7 @@ def test_factors_go_to_disk_when_the_memory_does_not_hold_them(bellows_problem, 
     numbers = whole.solver.getPC().getFactorMatrix()
     needed, on_disk = numbers.getMumpsInfog(21), numbers.getMumpsInfog(27)  # MB, in core and out of core
     assert on_disk < 0.7 * needed
-    load = problem.load_force() * ~problem.constrained_owned
+    load = problem.load.force() * ~problem.constrained_owned
     expected, expected_bodies = whole.solve(load, np.zeros(problem.extra))
     whole.close()
 

@@ -10,6 +10,7 @@ import pytest
 
 from analytical.laws.isotropic import NeoHooke
 from meshes.sweep import revolve_hexahedra
+from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import SolverError
 from solvers.linear.factor import Factor
@@ -35,7 +36,7 @@ def sector(strip, sides, make_problem):
 
 
 def solved(problem, pressure: float) -> State:
-    solve_equilibrium(problem, Factor(problem), TIGHT, pressure_mpa=pressure)
+    solve_equilibrium(problem, Factor(problem), TIGHT, HeldLoad(pressure))
     return problem.get_state()
 
 

@@ -9,11 +9,12 @@ import re
 import numpy as np
 import pytest
 
+from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, StepFailed
 from solvers.paths.diagnosis import failed_steps, limit_pressure
-from solvers.paths.path import PathSettings, follow_path
-from solvers.paths.records import Crossing, PathPoint
+from solvers.paths.path import follow_path
+from solvers.paths.records import Crossing, PathPoint, PathSettings
 from solvers.state import State
 
 NOTHING = State(np.zeros((1, 2)), np.zeros(1), np.zeros((0, 0)), 0.0)
@@ -32,11 +33,11 @@ def test_inverted_cell_is_named_with_its_place(bellows_problem, inflated) -> Non
     case.problem.set_state(dataclasses.replace(good, displacement_mm=bad))
     with pytest.raises(StepFailed) as failure:
         content = NewtonSettings(relative_tolerance=1e30)  # takes any finite residual for equilibrium
-        solve_equilibrium(case.problem, case.factor, content, pressure_mpa=0.005)
+        solve_equilibrium(case.problem, case.factor, content, HeldLoad(0.005))
     assert failure.value.cause is Cause.INVERTED_CELL
     found = re.search(r"det F = (\S+) at r = (\S+), z = (\S+) mm, soft region", str(failure.value))
     assert found is not None
-    assert float(found[1]) == pytest.approx(case.problem.extremes()[0], rel=1e-2)  # three digits
+    assert float(found[1]) == pytest.approx(case.problem.deformation.extremes()[0], rel=1e-2)  # three digits
     around = case.mesh.points[case.mesh.cells[(case.mesh.cells == cell[0]).any(axis=1)].ravel()]
     at = np.array([float(found[2]), float(found[3])])
     assert (at >= around.min(axis=0) - 0.01).all() and (at <= around.max(axis=0) + 0.01).all()  # two decimals

@@ -77,7 +77,7 @@ def test_dead_shear_is_the_force_it_says(make_problem) -> None:
     held = ((FACETS["bottom"], 2), (FACETS["top"], 2))
     problem = make_problem(mesh, NeoHooke(80.0), dead_shear=FACETS["tip"], clamped=FACETS["clamped"], held=held)
     assert problem.conservative
-    force = problem.load_force()
+    force = problem.load.force()
     components = [force[problem.u_dofs[:, i]].sum() for i in range(3)]
     # the right edge is 16 mm by 1 mm
     assert components == pytest.approx([0.0, 16.0, 0.0], abs=1e-10)

@@ -11,8 +11,8 @@ import pytest
 
 from solvers.errors import Cause
 from solvers.paths.checkpoint import CheckpointError, read_checkpoint, write_checkpoint
-from solvers.paths.path import PathSettings, follow_path
-from solvers.paths.records import Crossing, PathMemory
+from solvers.paths.path import follow_path
+from solvers.paths.records import Crossing, PathMemory, PathSettings
 
 SCRIPT = Path(__file__).with_name("restart_script.py")
 ASKED = [0.005, 0.010]

@@ -12,11 +12,12 @@ from analytical.laws.stiff import PLA
 from meshes.meridian import default_resolution, meridian_mesh
 from meshes.ring import RingShape
 from meshes.solid import FACETS, REGIONS, SolidMesh
+from solvers.assembly.surfaces import SOFT, STIFF
 from solvers.bodies.rigid import RigidBodies
 from solvers.equilibrium.newton import NewtonSettings
 from solvers.linear.factor import Factor
-from solvers.paths.path import Path, PathSettings, follow_path
-from solvers.problem import SOFT, STIFF
+from solvers.paths.path import follow_path
+from solvers.paths.records import Path, PathSettings
 
 PRESSURES = [0.005, 0.010]
 

@@ -16,6 +16,7 @@ from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from meshes.bodies import sphere_meridian
 from meshes.revolve import revolve
 from meshes.solid import FACETS
+from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.linear.factor import Factor
 from solvers.state import State
@@ -50,7 +51,7 @@ def observed_orders(name: str, levels, make_problem, rms_errors) -> np.ndarray:
         load = pressure_at_inner_radius_mpa(SPHERE, law, bore)
         problem.set_state(State(displacement(mesh.points), p, np.zeros((0, 0)), load))
         factor = Factor(problem)
-        report = solve_equilibrium(problem, factor, NewtonSettings(relative_tolerance=1e-10), pressure_mpa=load)
+        report = solve_equilibrium(problem, factor, NewtonSettings(relative_tolerance=1e-10), HeldLoad(load))
         factor.close()
         assert report.excess_negatives == 0
         errors.append(rms_errors(mesh, problem.get_state(), displacement, pressure))

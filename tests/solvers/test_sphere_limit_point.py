@@ -12,9 +12,11 @@ from scipy.optimize import minimize_scalar
 from analytical.laws.isotropic import NeoHooke
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from meshes.solid import SolidMesh
+from solvers.equilibrium.controls import HeldVolume
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.linear.factor import Factor
-from solvers.paths.path import PathSettings, follow_path
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathSettings
 
 INNER, OUTER, MU = 5.0, 6.5, 0.1
 
@@ -53,7 +55,7 @@ def test_pressure_follows_the_closed_form_past_the_limit_point(half_sphere) -> N
     limit = minimize_scalar(lambda l: -exact_pressure(l), bounds=(1.1, 3.0), method="bounded").x
     stretches = np.linspace(1.0, 2.2, 25)[1:]
     for stretch in stretches:
-        report = solve_equilibrium(problem, case.factor, NewtonSettings(), volume_mm3=rest * stretch**3)
+        report = solve_equilibrium(problem, case.factor, NewtonSettings(), HeldVolume(rest * stretch**3))
         # eight curved cells from equator to pole, two through the wall: measured 2e-5 at most
         assert float(problem.pressure.value) == pytest.approx(exact_pressure(stretch), rel=1e-4)
         # stable under pressure control below the limit, one unstable mode above
@@ -81,7 +83,7 @@ def test_the_papers_silicones_have_no_limit_point_on_a_sphere(half_sphere, law) 
     rest = case.problem.cavity_volume()
     pressures = []
     for stretch in np.linspace(1.0, 2.2, 13)[1:]:
-        report = solve_equilibrium(case.problem, case.factor, NewtonSettings(), volume_mm3=rest * stretch**3)
+        report = solve_equilibrium(case.problem, case.factor, NewtonSettings(), HeldVolume(rest * stretch**3))
         pressures.append(float(case.problem.pressure.value))
         assert report.excess_negatives == 0
     assert (np.diff(pressures) > 0.0).all()

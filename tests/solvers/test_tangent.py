@@ -14,8 +14,9 @@ from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from analytical.laws.stiff import PLA
 from meshes.revolve import revolve
 from meshes.solid import SolidMesh
+from solvers.assembly.surfaces import SOFT, STIFF
 from solvers.bodies.rigid import RigidBodies, moved
-from solvers.problem import SOFT, STIFF, Problem
+from solvers.problem import Problem
 from solvers.state import State
 
 ARM_MM = 6.5
@@ -62,11 +63,11 @@ def disturb(problem: Problem, seed: int) -> None:
     x[problem.constrained_owned] = 0.0
     if problem.bonded is not None:
         problem.bonded.values[:] = rng.uniform(-1.0, 1.0, problem.body_values.shape) * 0.5
-        if problem.modes == 6:
+        if problem.bonded.modes == 6:
             problem.bonded.values[:, 3:] *= ARM_MM
         problem.bonded.update(np.zeros(0))
     problem.pressure.value = 0.02
-    assert problem.extremes()[0] > 0.1
+    assert problem.deformation.extremes()[0] > 0.1
 
 
 def direction(problem: Problem, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -95,7 +96,7 @@ class Line:
     def residual(self, h: float) -> np.ndarray:
         self.go(h)
         force, on_bodies = self.problem.internal_force()
-        force = force - float(self.problem.pressure.value) * self.problem.load_force()
+        force = force - float(self.problem.pressure.value) * self.problem.load.force()
         force[self.problem.constrained_owned] = 0.0
         return np.concatenate([force, on_bodies])
 

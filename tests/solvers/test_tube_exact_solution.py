@@ -17,9 +17,11 @@ from analytical.laws.isotropic import Law
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from meshes.revolve import revolve
 from meshes.solid import SolidMesh
+from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonReport, NewtonSettings, solve_equilibrium
 from solvers.linear.factor import Factor
-from solvers.paths.path import PathSettings, follow_path
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathSettings
 from solvers.problem import Problem
 from solvers.state import State
 
@@ -92,7 +94,7 @@ def solve_from_exact(mesh: SolidMesh, problem: Problem, name: str) -> NewtonRepo
     """Equilibrium of the discrete problem; the exact solution is only its first guess."""
     guess = exact_state(mesh, name)
     problem.set_state(guess)
-    return solve_equilibrium(problem, Factor(problem), SETTINGS, pressure_mpa=guess.load_mpa)
+    return solve_equilibrium(problem, Factor(problem), SETTINGS, HeldLoad(guess.load_mpa))
 
 
 def observed_orders(make, name: str, levels, rms_errors) -> np.ndarray:
@@ -178,7 +180,7 @@ def test_compressible_tube_tends_to_the_incompressible_one_like_one_over_kappa(f
     for ratio in (1e2, 1e3, 1e4, 1e5, np.inf):
         mesh, problem = flat_tube(4, law, 1.0 / (ratio * law.initial_shear_modulus_mpa))
         problem.set_state(problem.zero_state())
-        report = solve_equilibrium(problem, Factor(problem), SETTINGS, pressure_mpa=load)
+        report = solve_equilibrium(problem, Factor(problem), SETTINGS, HeldLoad(load))
         iterations.append(report.iterations)
         inside = mesh.points[:, 0] == TUBE.inner_radius_mm
         bores.append(problem.get_state().displacement_mm[inside, 0].mean())

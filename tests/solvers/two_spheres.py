@@ -14,10 +14,12 @@ from analytical.exact.sphere import Sphere
 from analytical.laws.isotropic import NeoHooke
 from meshes.bodies import sphere_meridian
 from meshes.solid import FACETS, SolidMesh
+from solvers.assembly.surfaces import Surfaces
 from solvers.discrete.domain import create_domain
 from solvers.linear.factor import Factor
-from solvers.paths.path import PathSettings, follow_path
-from solvers.problem import Problem, Surfaces
+from solvers.paths.path import follow_path
+from solvers.paths.records import PathSettings
+from solvers.problem import Problem
 
 LAW = NeoHooke(0.1)
 SMALL, LARGE = Sphere(5.0, 6.5), Sphere(15.0, 19.7)

@@ -1,7 +1,7 @@
 """Rigid bodies bonded to the wall, in harmonics of the angle about an axisymmetric state.
 
 A body follows m = 0 axially and by a spin, m = 1 laterally and by a tilt, and no other harmonic. Its slip
-(`solvers.bodies.rigid`) has the variations, with motions t and W, W y being the field of a rotation,
+(`solvers.bodies.bond`) has the variations, with motions t and W, W y being the field of a rotation,
 
     e_v = v,  e_t = -t,  e_w = -W y,  e_vw = -W v,  e_ww = W W y,  e_tw = W t
 
@@ -21,7 +21,8 @@ from dolfinx import fem
 from numpy.typing import NDArray
 
 from solvers import compat
-from solvers.bodies.rigid import BondedBodies, RigidBodies
+from solvers.bodies.bond import BondedBodies
+from solvers.bodies.rigid import RigidBodies
 from solvers.discrete.domain import FloatArray
 from solvers.discrete.kinematics import Kinematics
 from solvers.stability.harmonic_forms import Wave
@@ -116,15 +117,8 @@ class HarmonicBond:
             held[self._bodies.plate] = True
         return held
 
-    def border(self, waves: int, pressure_mpa: float) -> tuple[FloatArray, FloatArray]:
-        """Coupling of dofs and motions, all bodies added up, and the bodies' blocks.
-
-        Parameters
-        ----------
-        waves
-            Harmonic.
-        pressure_mpa
-            Load factor, which acts on a plate.
+    def border(self, waves: int) -> tuple[FloatArray, FloatArray]:
+        """Coupling of dofs and motions in a harmonic, all bodies added up, and the bodies' blocks.
 
         Returns
         -------
@@ -138,17 +132,17 @@ class HarmonicBond:
         rigid = RIGID_MOTIONS[waves]
         for i in range(MOTIONS):
             self._aim(0, rigid, i)
-            columns[:, i] = compat.assemble_array(self._column, self._index_map).array[:owned]
+            columns[:, i] = compat.assemble_array(self._column, self._index_map)
             for j in range(i + 1):
                 self._aim(1, rigid, j)
                 self._twice.value[:] = rigid.turned_twice / arm**2 if i + j == 2 else 0.0
                 self._mixed.value[:] = rigid.turned_shift / arm if i + j == 1 else 0.0
-                values = compat.assemble_array(self._block, self._cell_map).array
+                values = compat.assemble_array(self._block, self._cell_map)
                 blocks[:, i, j] = blocks[:, j, i] = [values[cells].sum() for cells in self._bonded.cells]
         if self._bodies.plate is not None and waves == 1:
-            # a plate that drifts and tilts encloses A/2 U . n more (solvers.bodies.rigid)
+            # a plate that drifts and tilts encloses A/2 U . n more (solvers.bodies.plate)
             more = 0.5 * self._bodies.plate_area_mm2 / arm
-            blocks[self._bodies.plate] -= pressure_mpa * more * np.array([[0.0, 1.0], [1.0, 0.0]])
+            blocks[self._bodies.plate] -= self._bonded.load.inside_mpa() * more * np.array([[0.0, 1.0], [1.0, 0.0]])
         return columns, blocks
 
     def _aim(self, k: int, rigid: RigidMotion, motion: int) -> None:

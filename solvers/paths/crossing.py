@@ -9,19 +9,19 @@ from __future__ import annotations
 import numpy as np
 from mpi4py import MPI
 
-from solvers.discrete.domain import FloatArray
-from solvers.equilibrium.newton import NewtonReport, NewtonSettings, solve_equilibrium
+from solvers.equilibrium.controls import Control, HeldLoad, HeldVolume
+from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
+from solvers.linear.inverse_iteration import softest_mode
 from solvers.paths.arc import Scale, plane_at
-from solvers.paths.records import Control, Crossing, PathPoint
+from solvers.paths.bisection import narrow
+from solvers.paths.records import Crossing, PathPoint, point_now
 from solvers.problem import Problem
 from solvers.state import State, combine
 
-BISECTIONS = 40
 # The interval shrinks at least this much, also where the pressure is flat: at a limit point.
 LEAST_SHRINKING = 1e-3
-MODE_ITERATIONS = 30
 
 
 def lost_stability(before: PathPoint, after: PathPoint) -> bool:
@@ -67,18 +67,22 @@ def locate_crossing(
     """
     # A load that does no work on the path to the crossing leaves the volume as it is: then by pressure.
     moves = abs(after.volume_mm3 - before.volume_mm3) > 1e-9 * problem.volume_unit_mm3
-    control: Control = "arc" if along is not None else "volume" if moves else "pressure"
-    low, high, width = before, after, 1.0
-    for _ in range(BISECTIONS):
-        near = abs(high.pressure_mpa - low.pressure_mpa) <= tolerance * abs(high.pressure_mpa)
-        if near and (width <= LEAST_SHRINKING or control == "pressure"):
-            break
+
+    def half_way(low: PathPoint, high: PathPoint) -> tuple[float, PathPoint] | None:
+        middle = combine([low.state, high.state], [0.5, 0.5])
+        problem.set_state(middle)
+        control: Control = HeldLoad(0.5 * (low.pressure_mpa + high.pressure_mpa))
+        if along is not None:
+            control = plane_at(problem, low.state, middle, along)
+        elif moves:
+            control = HeldVolume(0.5 * (low.volume_mm3 + high.volume_mm3))
         try:
-            middle = _between(problem, factor, settings, low, high, control, along)
+            return 0.5, point_now(problem, solve_equilibrium(problem, factor, settings, control))
         except StepFailed:
-            break
-        width *= 0.5
-        low, high = (middle, high) if middle.unstable == before.unstable else (low, middle)
+            return None
+
+    by_pressure = along is None and not moves
+    low, high = narrow(before, after, half_way, tolerance, 1.0 if by_pressure else LEAST_SHRINKING)
     assert before.unstable is not None and high.unstable is not None
     pressure = 0.5 * (low.pressure_mpa + high.pressure_mpa)
     problem.set_state(high.state)
@@ -95,39 +99,11 @@ def locate_crossing(
     )
 
 
-def _between(
-    problem: Problem,
-    factor: Factor,
-    settings: NewtonSettings,
-    low: PathPoint,
-    high: PathPoint,
-    control: Control,
-    along: Scale | None,
-) -> PathPoint:
-    """Equilibrium half-way between two."""
-    middle = combine([low.state, high.state], [0.5, 0.5])
-    problem.set_state(middle)
-    report: NewtonReport
-    if along is not None:
-        plane = plane_at(problem, low.state, middle, along)
-        report = solve_equilibrium(problem, factor, settings, plane=plane)
-    elif control == "volume":
-        volume = 0.5 * (low.volume_mm3 + high.volume_mm3)
-        report = solve_equilibrium(problem, factor, settings, volume_mm3=volume)
-    else:
-        pressure = 0.5 * (low.pressure_mpa + high.pressure_mpa)
-        report = solve_equilibrium(problem, factor, settings, pressure_mpa=pressure)
-    return PathPoint(
-        problem.get_state(), problem.cavity_volume(), report.compliance_mm3_per_mpa, report.excess_negatives
-    )
-
-
 def critical_mode(problem: Problem, factor: Factor) -> State:
     """The displacement mode whose stiffness is closest to zero, scaled to 1 mm at most.
 
-    Inverse iteration ``x <- K^-1 D x`` with D = 1 on displacements and bodies, 0 on pressures, which is that of the
-    stiffness condensed to displacements that keep the volume of the cells. The start is random in the caller's
-    numbering, so that the mode does not depend on the number of ranks.
+    By inverse iteration; its start is random in the caller's numbering, so that the mode does not depend on the number
+    of ranks.
 
     Parameters
     ----------
@@ -147,19 +123,8 @@ def critical_mode(problem: Problem, factor: Factor) -> State:
         rng.standard_normal(blank.displacement_mm.shape), blank.pressure_mpa, 0.0 * blank.bodies_mm, here.load_mpa
     )
     problem.set_state(start)
-    dofs, bodies = problem.state.x.array[: problem.owned].copy(), np.zeros(problem.extra)
-    stiffness = np.inf
-    for _ in range(MODE_ITERATIONS):
-        dofs[problem.owned_pressure | problem.constrained_owned] = 0.0
-        size = np.sqrt(_dot(problem, dofs, dofs) + bodies @ bodies)
-        dofs, bodies = dofs / size, bodies / size
-        new_dofs, new_bodies = factor.solve(dofs, bodies)
-        is_u = ~problem.owned_pressure
-        new = 1.0 / (_dot(problem, dofs[is_u], new_dofs[is_u]) + float(bodies @ new_bodies))
-        dofs, bodies = new_dofs, new_bodies
-        if abs(new - stiffness) <= 1e-6 * abs(new):
-            break
-        stiffness = new
+    massless = problem.owned_pressure | problem.constrained_owned
+    dofs, bodies = softest_mode(factor, problem.state.x.array[: problem.owned].copy(), massless)
     moves = dofs[~problem.owned_pressure]
     largest = problem.comm.allreduce(float(np.abs(moves).max(initial=0.0)), op=MPI.MAX)
     problem.state.x.array[: problem.owned] = dofs / largest
@@ -173,7 +138,3 @@ def critical_mode(problem: Problem, factor: Factor) -> State:
     )
     problem.set_state(here)
     return mode
-
-
-def _dot(problem: Problem, a: FloatArray, b: FloatArray) -> float:
-    return float(problem.comm.allreduce(float(a @ b), op=MPI.SUM))

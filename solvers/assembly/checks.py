@@ -1,0 +1,97 @@
+"""Checks of cells: that those of a mesh do not overlap, and how far those of a state are deformed."""
+
+from __future__ import annotations
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
+
+from solvers import compat
+from solvers.assembly.surfaces import SOFT
+from solvers.assembly.unknowns import Unknowns
+from solvers.discrete.domain import Domain, FloatArray
+from solvers.discrete.elements import QUADRATURE_DEGREE
+from solvers.discrete.kinematics import Kinematics
+from solvers.energy.forms import invariants
+from solvers.errors import SolverError
+from solvers.state import Timer
+
+# The cells fill what their surface encloses up to this share: the quadrature is exact for both on quadratic cells.
+SAME_SIZE = 1e-9
+
+
+def refuse_overlaps(domain: Domain) -> None:
+    """Refuse cells that fold over or overlap: by Gauss' theorem cells fill what their surface encloses.
+
+    Raises
+    ------
+    SolverError
+        With both sizes.
+    """
+    mesh, degree = domain.mesh, QUADRATURE_DEGREE[domain.cell_name]
+    dimension = mesh.geometry.dim
+    x, normal = ufl.SpatialCoordinate(mesh), ufl.FacetNormal(mesh)
+    # the sizes of cells are never negative, so what is folded over is counted twice
+    one = fem.Constant(mesh, 1.0) * ufl.dx(domain=mesh, degree=degree)
+    flux = ufl.inner(x, normal) / dimension * ufl.ds(domain=mesh, degree=degree)
+    filled, enclosed = (compat.assemble_scalar(compat.compile_form(form), domain.comm) for form in (one, flux))
+    if not abs(filled - enclosed) <= SAME_SIZE * abs(enclosed):
+        unit = f"mm^{dimension}"
+        raise SolverError(
+            f"cells of the mesh fold over or overlap: they fill {filled:.9g} {unit}, their surface encloses "
+            f"{enclosed:.9g}: mesh it anew, or look for a flipped cell or one with a corner beyond its neighbours"
+        )
+
+
+class Deformation:
+    """How far the cells are deformed at their quadrature points in the current state.
+
+    Parameters
+    ----------
+    unknowns, kin
+        Of the problem.
+    degree
+        Of the quadrature.
+    timer
+        Takes the seconds.
+    """
+
+    def __init__(self, unknowns: Unknowns, kin: Kinematics, degree: int, timer: Timer) -> None:
+        self._domain, self._timer = unknowns.domain, timer
+        k = invariants(kin.gradient(ufl.split(unknowns.state)[0]))
+        self._points = compat.quadrature_points(unknowns.domain.cell_name, degree)
+        self._values = compat.compile_expression(ufl.as_vector([k.j, k.i1, k.i2]), self._points)
+        topology = unknowns.domain.mesh.topology
+        self._cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
+
+    def _now(self) -> FloatArray:
+        """Det F and isochoric I1 and I2 at this rank's quadrature points, shape (points, 3)."""
+        return compat.evaluate(self._values, self._domain.mesh, self._cells).reshape(-1, 3)
+
+    def extremes(self) -> tuple[float, float, float]:
+        """Smallest det F and largest isochoric I1 and I2 over all quadrature points (NaN-safe)."""
+        with self._timer("checks"):
+            values, comm = self._now(), self._domain.comm
+            j, i1, i2 = np.inf, 0.0, 0.0
+            if len(values):
+                j = float(np.min(values[:, 0])) if np.isfinite(values).all() else -np.inf
+                i1, i2 = float(np.max(values[:, 1])), float(np.max(values[:, 2]))
+            return comm.allreduce(j, op=MPI.MIN), comm.allreduce(i1, op=MPI.MAX), comm.allreduce(i2, op=MPI.MAX)
+
+    def worst_cell(self) -> str:
+        """The smallest det F, and where its quadrature point is in the unloaded body."""
+        domain = self._domain
+        here = compat.compile_expression(ufl.SpatialCoordinate(domain.mesh), self._points)
+        values = self._now()[:, 0]
+        values = np.where(np.isfinite(values), values, -np.inf)
+        found = []
+        if len(values):
+            worst, tags = int(np.argmin(values)), domain.cell_tags
+            region = int(tags.values[tags.indices == worst // len(self._points)][0])
+            places = compat.evaluate(here, domain.mesh, self._cells).reshape(-1, domain.mesh.geometry.dim)
+            found = [(float(values[worst]), places[worst], region)]
+        det_f, at, region = min((f for part in domain.comm.allgather(found) for f in part), key=lambda f: f[0])
+        names = ("r", "z") if domain.axisymmetric else ("x", "y", "z")
+        place = ", ".join(f"{name} = {value:.2f}" for name, value in zip(names, at, strict=True))
+        return f"det F = {det_f:.3g} at {place} mm, {'soft' if region == SOFT else 'stiff'} region"

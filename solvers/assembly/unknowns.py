@@ -1,0 +1,166 @@
+"""Unknowns of a problem: dofs of displacement and pressure and, after them, motions of rigid bodies."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from dolfinx import fem
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from solvers import compat
+from solvers.assembly.supports import find_supports
+from solvers.assembly.surfaces import Surfaces
+from solvers.discrete.domain import Domain, FloatArray, IntArray
+from solvers.discrete.elements import Element
+from solvers.errors import SolverError
+from solvers.state import State
+
+
+class Unknowns:
+    """Numbering, supports and current values.
+
+    Parameters
+    ----------
+    domain, element
+        The mesh and its displacement and pressure spaces.
+    surfaces, has_stiff
+        What is held, see `solvers.assembly.supports.find_supports`.
+    held_motions
+        Which motions of the bodies are held, shape (bodies, motions).
+    frame
+        Directions of the displacement's components as columns, shape (3, 3); None for those of the coordinates.
+
+    Attributes
+    ----------
+    state
+        Function (u, p) in ``space``.
+    owned, local
+        Numbers of this rank's dofs, and of those with the ghosts.
+    u_dofs
+        Local displacement dofs of each local geometry node, shape (n, d), -1 where it has none.
+    p_dofs
+        Local pressure dofs. A continuous pressure belongs to corner nodes, shape (n,), -1 elsewhere; one with jumps
+        to cells, shape (owned cells, k).
+    owned_pressure, constrained_owned
+        Which owned dofs are pressures, and which are held, shape (owned,).
+    bodies_mm
+        Motions of the bodies, shape (bodies, motions).
+    held_bodies
+        Which of them are held, shape (extra,).
+    expected_negatives
+        Free pressures of all ranks: negative eigenvalues that a stable tangent has.
+    """
+
+    def __init__(
+        self,
+        domain: Domain,
+        element: Element,
+        surfaces: Surfaces,
+        has_stiff: bool,
+        held_motions: NDArray[np.bool_],
+        frame: FloatArray | None = None,
+    ) -> None:
+        mesh = domain.mesh
+        self.domain, self.comm, self.element = domain, domain.comm, element
+        self.dimension: int = mesh.geometry.dim
+        self.space = compat.function_space(mesh, element.spaces(mesh.ufl_cell()))
+        self.state = fem.Function(self.space)
+        self.index_map = self.space.dofmap.index_map
+        self.owned: int = self.index_map.size_local
+        self.local: int = self.owned + self.index_map.num_ghosts
+        self.u_dofs = displacement_dofs(domain, self.space, self.dimension)
+        self._number_pressures()
+        self.supports = find_supports(domain, self.space, self.u_dofs, surfaces, has_stiff)
+        self.constrained_owned = self.supports.is_constrained[: self.owned]
+        free = int((self.owned_pressure & ~self.constrained_owned).sum())
+        self.expected_negatives: int = self.comm.allreduce(free, op=MPI.SUM)
+        self.bodies_mm = np.zeros(held_motions.shape)
+        self.held_bodies, self.extra = held_motions.ravel(), held_motions.size
+        self._frame = np.eye(self.dimension) if frame is None else frame
+        # linear displacements at the quadratic nodes, for callers who expect a value at every node
+        linear = compat.element("Lagrange", mesh.ufl_cell(), 1)
+        self._linear_at_nodes = compat.basis_at(linear, compat.node_positions(domain.cell_name))
+
+    def _number_pressures(self) -> None:
+        """Pressure dofs, and for those of cells their basis functions at the corners, shape (corners, k)."""
+        domain, on_cells = self.domain, compat.cell_dofs(self.space.sub(1))
+        if self.element.pressure == "continuous":
+            self.p_dofs = np.full(len(domain.input_node), -1, dtype=np.int64)
+            self.p_dofs[compat.geometry_dofs(domain.mesh)[:, : domain.corners]] = on_cells
+            self.pressure_shape: tuple[int, ...] = (domain.nodes,)
+        else:
+            self.p_dofs = on_cells.astype(np.int64)
+            scalar = compat.sub_elements(self.space.ufl_element())[1]
+            self._p_at_corners = compat.basis_at(scalar, compat.corner_positions(domain.cell_name))
+            self.pressure_shape = (domain.cells, domain.corners)
+        self.owned_pressure = np.zeros(self.owned, dtype=bool)
+        self.owned_pressure[self.p_dofs[(self.p_dofs >= 0) & (self.p_dofs < self.owned)]] = True
+
+    # ---- states ----------------------------------------------------------------------------------------
+
+    def set(self, state: State) -> None:
+        """Take a state in the caller's numbering; constraints are imposed exactly.
+
+        Raises
+        ------
+        SolverError
+            If its pressures or bodies are those of another problem.
+        """
+        array, domain = self.state.x.array, self.domain
+        known = self.u_dofs[:, 0] >= 0
+        components = state.displacement_mm[domain.input_node[known]] @ np.linalg.inv(self._frame).T
+        for i in range(self.dimension):
+            array[self.u_dofs[known, i]] = components[:, i]
+        if state.pressure_mpa.shape != self.pressure_shape:
+            raise SolverError(f"state has pressures of shape {state.pressure_mpa.shape}, need {self.pressure_shape}")
+        if self.element.pressure == "continuous":
+            corner = self.p_dofs >= 0
+            array[self.p_dofs[corner]] = state.pressure_mpa[domain.input_node[corner]]
+        else:
+            # the closest polynomial to the corner values: exact for those of a state of this problem
+            mine = state.pressure_mpa[domain.input_cell[: len(self.p_dofs)]]
+            array[self.p_dofs] = mine @ np.linalg.pinv(self._p_at_corners).T
+        array[: self.local][self.supports.is_constrained] = 0.0
+        self.state.x.scatter_forward()
+        if state.bodies_mm.shape != self.bodies_mm.shape:
+            raise SolverError(f"state has bodies of shape {state.bodies_mm.shape}, need {self.bodies_mm.shape}")
+        self.bodies_mm[:] = state.bodies_mm
+
+    def get(self, load_mpa: float) -> State:
+        """The current values under a load factor in the caller's numbering, complete on every rank."""
+        domain, array = self.domain, self.state.x.array
+        known = self.u_dofs[:, 0] >= 0
+        u = np.zeros((len(known), self.dimension))
+        u[known] = array[self.u_dofs[known]] @ self._frame.T
+        if self.element.displacement_degree == 1:
+            geometry = compat.geometry_dofs(domain.mesh)
+            u[geometry] = np.einsum("nk,cki->cni", self._linear_at_nodes, u[geometry[:, : domain.corners]])
+            known = np.isin(np.arange(len(known)), geometry)
+        if self.element.pressure == "continuous":
+            at = np.flatnonzero(self.p_dofs >= 0)
+            where, p = domain.input_node[at], array[self.p_dofs[at]]
+        else:
+            where, p = domain.input_cell[: len(self.p_dofs)], array[self.p_dofs] @ self._p_at_corners.T
+        out = self.zero()
+        for nodes, values, places, p_values in self.comm.allgather((domain.input_node[known], u[known], where, p)):
+            out.displacement_mm[nodes] = values
+            out.pressure_mpa[places] = p_values
+        return replace(out, bodies_mm=self.bodies_mm.copy(), load_mpa=load_mpa)
+
+    def zero(self) -> State:
+        """The unloaded reference state."""
+        nodes = (self.domain.nodes, self.dimension)
+        return State(np.zeros(nodes), np.zeros(self.pressure_shape), np.zeros(self.bodies_mm.shape), 0.0)
+
+
+def displacement_dofs(domain: Domain, space: Any, components: int) -> IntArray:
+    """Local dofs of a mixed space's displacement at each local geometry node, -1 where it has none, shape (n, d)."""
+    geometry = compat.geometry_dofs(domain.mesh)
+    out = np.full((len(domain.input_node), components), -1, dtype=np.int64)
+    for i in range(components):
+        dofs = compat.cell_dofs(space.sub(0).sub(i))
+        out[geometry[:, : dofs.shape[1]], i] = dofs
+    return out

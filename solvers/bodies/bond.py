@@ -1,0 +1,291 @@
+"""Rigid bodies bonded to the solid by an elastic layer, with finite rotations.
+
+A body k has a translation U and a rotation R = exp(w) about its centre c. A surface point X of the solid bonded to it
+slips, in the body's frame, by
+
+    e = R' (X - c + u - U) - (X - c),        energy 1/2 int g (kn (e.n)^2 + kt |e - (e.n) n|^2) dA
+
+with n the reference normal, stiffnesses kn, kt per area and a grade g in [0, 1]. With a rotation increment
+R -> R exp(W_j), variations for body unknown j (translation d_j, skew W_j) and test function v are
+
+    e_v = R' v,   e_j = -W_j y - R' d_j,   e_vj = -W_j R' v,   e_ij = sym(W_i W_j) y + W_j R' d_i + W_i R' d_j
+
+where y = e + X - c. The second variations matter: with linearised rotations the tractions of a pressurised wall on
+the ring make torsion and tilting look unstable. On a meridian, and in a sector between planes of symmetry, a body
+only moves axially.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
+from scipy.spatial.transform import Rotation
+
+from solvers import compat
+from solvers.assembly.load import Load
+from solvers.assembly.tangent import Border, bonded_dofs
+from solvers.assembly.unknowns import Unknowns
+from solvers.bodies.plate import enclosed_by_plate
+from solvers.bodies.rigid import RigidBodies, moved
+from solvers.discrete.domain import Domain, FloatArray, IntArray
+from solvers.discrete.kinematics import Kinematics
+from solvers.energy.forms import Forms
+
+
+class BondedBodies:
+    """The bonded bodies of a problem and their bond: a `solvers.assembly.term.Term`, with forms that join the solid's.
+
+    Parameters
+    ----------
+    unknowns
+        Of the problem; bodies have one motion or six.
+    kin
+        Kinematics of the mesh.
+    bodies
+        The bodies and their bond.
+    measure
+        Facet measure of the bonded surfaces, quadrature degree included.
+    load
+        Of the problem: it acts on a plate too.
+
+    Attributes
+    ----------
+    forms
+        UFL forms of the bond's energy and its derivatives by the dofs.
+    values, is_held
+        Motions of the bodies, shape (bodies, modes), and which are held, shape (size,).
+    dead_force_n
+        Dead axial force on a plate that is not held.
+    """
+
+    def __init__(
+        self,
+        unknowns: Unknowns,
+        kin: Kinematics,
+        bodies: RigidBodies,
+        measure: Any,
+        load: Load,
+    ) -> None:
+        domain, space = unknowns.domain, unknowns.space
+        mesh = domain.mesh
+        self.comm, self.centres_mm, self.arm_mm = domain.comm, bodies.centres_mm, bodies.arm_mm
+        self._plate, self._plate_area = bodies.plate, bodies.plate_area_mm2
+        self.load = load
+        self.values, self.is_held = unknowns.bodies_mm, unknowns.held_bodies
+        self.count, self.modes = self.values.shape
+        self.dead_force_n = 0.0 if bodies.plate is None or bodies.plate_held else bodies.plate_force_n
+        self.cells = _cells_of_bodies(domain, self.count)
+        dofs = bonded_dofs(domain, space, unknowns.dimension, self.count)
+        # cells between two bodies have dofs of both, their bonded facets never
+        self.border = Border(space, [d[~unknowns.constrained_owned[d]] for d in dofs], self.modes)
+        self._index_map = unknowns.index_map
+        grade = _nodal_function(domain, bodies.grade)
+        normal = fem.Constant(mesh, bodies.normal_mpa_per_mm)
+        tangential = fem.Constant(mesh, bodies.tangential_mpa_per_mm)
+
+        self._translation = fem.Function(compat.function_space(mesh, ("DG", 0), (3,)))
+        self._rotation = fem.Function(compat.function_space(mesh, ("DG", 0), (3, 3)))
+        centre = fem.Function(compat.function_space(mesh, ("DG", 0), (3,)))
+        axial = 1 if domain.axisymmetric else 2
+        for body, cells in enumerate(self.cells):
+            centre.x.array.reshape(-1, 3)[cells, axial] = bodies.centres_mm[body]
+        self._shifts = [fem.Constant(mesh, np.zeros(3)) for _ in range(2)]
+        self._spins = [fem.Constant(mesh, np.zeros(3)) for _ in range(2)]
+
+        u, v, du = (
+            kin.three(ufl.split(f)[0]) for f in (unknowns.state, ufl.TestFunction(space), ufl.TrialFunction(space))
+        )
+        arm = kin.three(kin.position) - centre
+        back = self._rotation.T
+        y = back * (arm + u - self._translation)
+        n = kin.normal
+        weight = grade * kin.measure
+
+        def traction(e: Any) -> Any:
+            along = ufl.inner(e, n) * n
+            return normal * along + tangential * (e - along)
+
+        def first(k: int) -> Any:
+            return -ufl.cross(self._spins[k], y) - back * self._shifts[k]
+
+        slip = y - arm
+        pull = traction(slip)
+        # what the harmonics of an axisymmetric state need of the bond
+        self.arm, self.slip, self.traction, self.grade, self.measure = arm, slip, traction, grade, measure
+        s0, s1 = self._spins
+        d0, d1 = (back * shift for shift in self._shifts)
+        second = (
+            0.5 * (ufl.cross(s0, ufl.cross(s1, y)) + ufl.cross(s1, ufl.cross(s0, y)))
+            + ufl.cross(s1, d0)
+            + ufl.cross(s0, d1)
+        )
+        energy = 0.5 * ufl.inner(pull, slip) * weight * measure
+        force = ufl.inner(pull, back * v) * weight * measure
+        self.forms = Forms(force, ufl.inner(traction(back * du), back * v) * weight * measure, energy)
+        per_cell = compat.function_space(mesh, ("DG", 0))
+        pick = ufl.TestFunction(per_cell)
+        self._cell_map = per_cell.dofmap.index_map
+        column = (ufl.inner(traction(first(0)), back * v) - ufl.inner(pull, ufl.cross(s0, back * v))) * weight * measure
+        block = (ufl.inner(traction(first(0)), first(1)) + ufl.inner(pull, second)) * pick * weight * measure
+        self._column_form = compat.compile_form(column)
+        self._block_form = compat.compile_form(block)
+        self._force_form = compat.compile_form(ufl.inner(pull, first(0)) * pick * weight * measure)
+        self._slip_form = compat.compile_form(ufl.inner(slip, slip) * weight * measure)
+        self._area_form = compat.compile_form(weight * measure)
+        self._axial = axial
+        self.update(np.zeros(0))
+
+    @property
+    def size(self) -> int:
+        """Number of body unknowns."""
+        return self.count * self.modes
+
+    def _aim(self, k: int, mode: int) -> None:
+        """Set direction k to a body unknown."""
+        self._shifts[k].value[:] = 0.0
+        self._spins[k].value[:] = 0.0
+        if self.modes == 1:
+            self._shifts[k].value[self._axial] = 1.0
+        elif mode < 3:
+            self._shifts[k].value[mode] = 1.0
+        else:
+            self._spins[k].value[mode - 3] = 1.0 / self.arm_mm
+
+    def update(self, step: FloatArray) -> None:
+        """Move the bodies by an increment of their unknowns, shape (size,) (empty: refresh the fields only)."""
+        if len(step):
+            change = step.reshape(self.values.shape)
+            self.values[:] = moved(self.values, change, self.arm_mm)
+        for body, cells in enumerate(self.cells):
+            value = self.values[body]
+            shift = np.zeros(3)
+            turn = np.eye(3)
+            if self.modes == 1:
+                shift[self._axial] = value[0]
+            else:
+                shift[:] = value[:3]
+                turn = Rotation.from_rotvec(value[3:] / self.arm_mm).as_matrix()
+            self._translation.x.array.reshape(-1, 3)[cells] = shift
+            self._rotation.x.array.reshape(-1, 9)[cells] = turn.ravel()
+
+    def turns(self) -> FloatArray:
+        """Rotations of the bodies, shape (bodies, 3, 3); only for bodies with all six motions."""
+        return np.asarray(Rotation.from_rotvec(self.values[:, 3:] / self.arm_mm).as_matrix())
+
+    def _per_body(self, form: Any) -> FloatArray:
+        values = compat.assemble_array(form, self._cell_map)
+        return self.comm.allreduce(np.array([values[c].sum() for c in self.cells]), op=MPI.SUM)
+
+    def forces(self) -> FloatArray:
+        """Derivative of the bond energy with respect to the body unknowns, shape (size,)."""
+        out = np.empty((self.count, self.modes))
+        for mode in range(self.modes):
+            self._aim(0, mode)
+            out[:, mode] = self._per_body(self._force_form)
+        return out.ravel()
+
+    def columns(self) -> FloatArray:
+        """Coupling of dofs and modes, all bodies added up, on the owned dofs, shape (owned, modes)."""
+        out = np.empty((self._index_map.size_local, self.modes))
+        for mode in range(self.modes):
+            self._aim(0, mode)
+            out[:, mode] = compat.assemble_array(self._column_form, self._index_map)
+        return out
+
+    def blocks(self) -> FloatArray:
+        """Second derivative of the bond energy in the unknowns of each body, shape (bodies, modes, modes)."""
+        out = np.empty((self.count, self.modes, self.modes))
+        for i in range(self.modes):
+            self._aim(0, i)
+            for j in range(i + 1):
+                self._aim(1, j)
+                out[:, i, j] = out[:, j, i] = self._per_body(self._block_form)
+        return out
+
+    @property
+    def plate_axial(self) -> int | None:
+        """Place of the plate's axial motion among the unknowns; None without a plate."""
+        if self._plate is None:
+            return None
+        return self._plate * self.modes + (2 if self.modes == 6 else 0)
+
+    def dead_forces(self) -> FloatArray:
+        """Dead force on the body unknowns, N, shape (size,)."""
+        out = np.zeros(self.size)
+        if self.plate_axial is not None:
+            out[self.plate_axial] = self.dead_force_n
+        return out
+
+    def plate_volume(self) -> tuple[float, FloatArray, FloatArray]:
+        """What the plate adds to the integral of the cavity's walls to make it the enclosed volume.
+
+        Returns
+        -------
+        tuple
+            As `solvers.bodies.plate.enclosed_by_plate`, the derivatives by the unknowns of all bodies, shapes (size,)
+            and (bodies, modes, modes).
+        """
+        slope, curvature = np.zeros((self.count, self.modes)), np.zeros((self.count, self.modes, self.modes))
+        if self._plate is None or self.modes == 1:
+            return 0.0, slope.ravel(), curvature
+        volume, slope[self._plate], curvature[self._plate] = enclosed_by_plate(
+            self.values[self._plate], self.arm_mm, self._plate_area
+        )
+        return volume, slope.ravel(), curvature
+
+    # ---- as a term -------------------------------------------------------------------------------------
+
+    def energy(self) -> float:
+        """Nothing: the bond's energy is an integral of the problem's form."""
+        return 0.0
+
+    def add_force(self, on_dofs: FloatArray, on_bodies: FloatArray) -> None:
+        """Add the derivative by the bodies' unknowns, with the pressure and the dead force on a plate."""
+        on_bodies += self.forces() - self.load.inside_mpa() * self.plate_volume()[1] - self.dead_forces()
+
+    def pattern(self) -> scipy.sparse.csr_matrix:
+        """Places of the bodies' border."""
+        return self.border.pattern()
+
+    def grow(self) -> bool:
+        """False: bodies stay bonded where they are."""
+        return False
+
+    def add_to(self, matrix: Any) -> None:
+        """Add the bodies' rows, columns and blocks."""
+        blocks = self.blocks() - self.load.inside_mpa() * self.plate_volume()[2]
+        self.border.add(matrix, self.columns(), blocks, self.is_held.reshape(self.values.shape))
+
+    def check(self) -> None:
+        """Nothing to refuse."""
+
+    def rms_slip_mm(self) -> float:
+        """Root mean square slip, weighted with the bond's grade, mm."""
+        area = compat.assemble_scalar(self._area_form, self.comm)
+        return float(np.sqrt(compat.assemble_scalar(self._slip_form, self.comm) / area))
+
+
+def _cells_of_bodies(domain: Domain, count: int) -> list[IntArray]:
+    """Local cells at the bonded facets of each body."""
+    mesh = domain.mesh
+    mesh.topology.create_connectivity(mesh.topology.dim - 1, mesh.topology.dim)
+    to_cell = mesh.topology.connectivity(mesh.topology.dim - 1, mesh.topology.dim)
+    out = []
+    for body in range(count):
+        facets = domain.facet_tags.indices[domain.facet_bodies == body]
+        out.append(np.unique(np.array([to_cell.links(f)[0] for f in facets], dtype=np.int64)))
+    return out
+
+
+def _nodal_function(domain: Domain, values: FloatArray) -> Any:
+    """Quadratic scalar function from values at the caller's nodes."""
+    space = compat.function_space(domain.mesh, ("Lagrange", 2))
+    function = fem.Function(space)
+    function.x.array[compat.cell_dofs(space)] = values[domain.input_node[compat.geometry_dofs(domain.mesh)]]
+    function.x.scatter_forward()
+    return function

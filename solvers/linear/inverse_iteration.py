@@ -1,0 +1,49 @@
+"""The mode whose stiffness is closest to zero, by inverse iteration with a factor."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers.discrete.domain import FloatArray
+from solvers.discrete.sums import dot
+from solvers.linear.factor import Factor
+
+ITERATIONS = 30
+# The stiffness has settled when it changes by less than this share.
+SETTLED = 1e-6
+
+
+def softest_mode(factor: Factor, start: FloatArray, massless: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
+    """Inverse iteration ``x <- K^-1 D x`` with D = 1 on displacements and bodies, 0 on pressures.
+
+    This is that of the stiffness condensed to displacements that keep the volume of the cells.
+
+    Parameters
+    ----------
+    factor
+        Of the tangent K.
+    start
+        First vector on the owned dofs, shape (owned,).
+    massless
+        Which of them are pressures or held.
+
+    Returns
+    -------
+    tuple of ndarray
+        The mode on the owned dofs, its pressures included, and on the bodies; of no particular size.
+    """
+    comm = factor.problem.comm
+    dofs, bodies = start, np.zeros(factor.problem.extra)
+    stiffness = np.inf
+    for _ in range(ITERATIONS):
+        dofs[massless] = 0.0
+        size = np.sqrt(dot(comm, dofs, dofs) + bodies @ bodies)
+        dofs, bodies = dofs / size, bodies / size
+        new_dofs, new_bodies = factor.solve(dofs, bodies)
+        new = 1.0 / (dot(comm, dofs, new_dofs) + float(bodies @ new_bodies))
+        dofs, bodies = new_dofs, new_bodies
+        if abs(new - stiffness) <= SETTLED * abs(new):
+            break
+        stiffness = new
+    return dofs, bodies
