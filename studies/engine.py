@@ -83,11 +83,34 @@ class Solved(Generic[CaseT, ResultT]):
 
 @dataclass(frozen=True)
 class Bar:
-    """What a study must show: what was wanted, what was found, whether that is enough."""
+    """What a study must show.
+
+    Attributes
+    ----------
+    wanted, found
+        In words.
+    met
+        Whether that is enough; None if nothing of it has been run.
+    decides
+        True if the exit code is 3 where it is not met; False only informs.
+    """
 
     wanted: str
     found: str
-    met: bool
+    met: bool | None
+    decides: bool = True
+
+    @property
+    def missed(self) -> bool:
+        """True if the exit code has to be 3 for it."""
+        return self.decides and self.met is False
+
+    @property
+    def verdict(self) -> str:
+        """Whether it is met, in words."""
+        if self.met is None:
+            return "not run"
+        return "met" if self.met else "NOT MET" if self.decides else "not met"
 
 
 @dataclass(frozen=True)
@@ -103,7 +126,7 @@ class Page:
     stopped
         What did not reach its loads and why, a sentence each; the exit code is then 3.
     bars
-        What it must show; the exit code is 3 if one is not met.
+        What it must show; the exit code is 3 if one that decides it is not met.
     tables
         Other files of rows by name, such as crossings.csv.
     """
@@ -196,6 +219,18 @@ def run(study: Study[CaseT, ResultT], out: Path, comm: MPI.Comm, options: Mappin
     return code
 
 
+def render(study: Study[CaseT, ResultT], out: Path) -> int:
+    """Write rows and page anew without solving, of a study whose page reads its folder; one rank calls.
+
+    Returns
+    -------
+    int
+        Exit code, as of `run`.
+    """
+    (out / "pictures").mkdir(parents=True, exist_ok=True)
+    return _write(study, (), (), Setting(out, MPI.COMM_SELF, Progress(MPI.COMM_SELF), {}), 0.0)
+
+
 def solve_cases(
     study: Study[CaseT, ResultT], cases: Sequence[CaseT], setting: Setting
 ) -> tuple[list[Solved[CaseT, ResultT]], list[str]]:
@@ -253,7 +288,7 @@ def _write(
     """Rows, page, and what the terminal is told; returns the exit code."""
     page = study.page(solved, setting)
     stopped = [*faults, *page.stopped]
-    missed = [bar for bar in page.bars if not bar.met]
+    missed = [bar for bar in page.bars if bar.missed]
     for name, rows in {ROWS_FILE: page.rows, **page.tables}.items():
         write_rows(setting.out / name, rows)
     facts: dict[str, Any] = {
@@ -273,7 +308,7 @@ def _write(
 
 def bars_table(bars: Sequence[Bar]) -> Table:
     """What a study must show, a line each."""
-    lines = tuple((bar.wanted, bar.found, "met" if bar.met else "NOT MET") for bar in bars)
+    lines = tuple((bar.wanted, bar.found, bar.verdict) for bar in bars)
     return Table(("what it must show", "found", "verdict"), lines, left=(0, 1, 2))
 
 
