@@ -33,6 +33,7 @@ ROWS_FILE = "rows.csv"
 
 # Studies in the order of a reader's questions, and the module that has each as STUDY.
 STUDIES: Mapping[str, str] = {
+    "paper": "studies.paper.study",
     "vacuum": "studies.vacuum.study",
 }
 

@@ -7,20 +7,20 @@ Only that the four actuators reach their pressures decides the exit code.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from studies.engine import Bar
 from studies.models.run_log import Run
 from studies.paper.cases import HIGHEST_KPA, PRESSURES_KPA, REFERENCE_SCENES
-from studies.paper.results import CaseResult, PaperResults, find, finest, is_known
+from studies.paper.results import CaseResult, PaperResults, find, is_known
 from studies.planning.levels import fineness, ranking
 from studies.report.labels import level_label, run_label
 from studies.report.numbers import MISSING, rounded_up, up
 from studies.report.tables import Table, table_of
 from studies.results.compare import main_quantity, scene_rows, tip_at
-from studies.results.rows import Row, difference_percent
+from studies.results.rows import REACHED, Row, difference_percent
 
 UNCERTAINTY_PERCENT: Final = 1.0
 GAP_PERCENT: Final = 0.5
@@ -167,17 +167,20 @@ def _audits(results: PaperResults) -> dict[str, tuple[Check, ...]]:
 def _reached(case: CaseResult) -> Bar:
     """That the answer of an actuator reached every requested pressure."""
     wanted = f"{case.case.scene}: every requested pressure is reached"
-    if case.result is None or case.result.answer is None:
+    runs = case.full3d or case.sector or case.axisymmetric
+    if not runs:
         return Bar(wanted, MISSING, None)
-    answer = case.result.answer.summary
-    label = run_label(answer.model, answer.level)
-    return Bar(wanted, f"{label}: {answer.reason or answer.status}", case.result.reached)
+    answer = runs[-1].summary
+    found = f"{run_label(answer.model, answer.level)}: {answer.reason or answer.status}"
+    return Bar(wanted, found, answer.status == REACHED)
 
 
 def _gap_percent(case: CaseResult, pressures_kpa: Sequence[float]) -> float:
     """Largest gap between the axisymmetric and the full 3D elongation where both have one; NaN where none has."""
     pairs = ((case.tip("axisymmetric", p), case.tip("full3d", p)) for p in pressures_kpa)
-    gaps = [abs(difference_percent(flat.value, solid.value)) for flat, solid in pairs if is_known(flat) and is_known(solid)]
+    gaps = [
+        abs(difference_percent(flat.value, solid.value)) for flat, solid in pairs if is_known(flat) and is_known(solid)
+    ]
     return max(gaps, default=math.nan)
 
 

@@ -102,7 +102,9 @@ def _verdict(bond: Bond) -> str:
     beyond = [p for p in common if changes[p] > BONDED_PERCENT]
     verdict = f"model change from {beyond[0]:g} kPa on" if beyond else "bonded"
     slip = bond.case.row("peak_slip_mm", pressure_kpa=common[-1])
-    slip_text = f"largest slip {measured_text(slip)} mm at {common[-1]:g} kPa" if is_known(slip) else "slip not measured"
+    slip_text = (
+        f"largest slip {measured_text(slip)} mm at {common[-1]:g} kPa" if is_known(slip) else "slip not measured"
+    )
     return (
         f"{verdict}: the tip changes by at most {rounded_up(changes[worst], 2):g} % (at {worst:g} kPa; asked: at most "
         f"{BONDED_PERCENT:g} %) over the pressures up to {common[-1]:g} kPa that the rigid bond reaches on "

@@ -173,7 +173,10 @@ def _slopes(results: PaperResults) -> dict[str, list[tuple[float, float]]]:
     for name, rows in _curves(results).items():
         unknown = 0.0 if all(map(is_known, rows)) else math.nan
         points = [(0.0, unknown, 0.0), *((row.pressure_kpa, row.value + unknown, row.uncertainty) for row in rows)]
-        found[name] = [((v2 - v1) / (p2 - p1), (u1 + u2) / (p2 - p1)) for (p1, v1, u1), (p2, v2, u2) in pairwise(points)]
+        found[name] = [
+            ((value - before) / (high - low), (doubt_before + doubt) / (high - low))
+            for (low, before, doubt_before), (high, value, doubt) in pairwise(points)
+        ]
     return found
 
 
@@ -263,7 +266,7 @@ def none_beyond(results: PaperResults) -> Claim:
             why = "" if runs[-1].summary.status == REACHED else f" ({runs[-1].summary.reason})"
             meshes = ", ".join(level_label(run.summary.level) for run in runs)
             parts.append(f"{case.case.base} to {reached:.4g} kPa on {meshes}{why}")
-    held = HOLDS if len(passed) == len(REFERENCE_SCENES) else UNDECIDED
+    held: Verdict = HOLDS if len(passed) == len(REFERENCE_SCENES) else UNDECIDED
     finding = "; ".join(parts) or "not run"
     return Claim(
         f"No solution converges above {HIGHEST_KPA:g} kPa, with any of the actuators.",

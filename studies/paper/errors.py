@@ -137,7 +137,7 @@ def model_errors(results: PaperResults) -> Table:
         **{f"{label_of(model)}, mm": _value(model) for model in (*SOLVED, "sector")},
         **{f"{model} less full 3D, mm (%)": _less(model, "full3d") for model in ("axisymmetric", TETRAHEDRA)},
     }
-    return table_of(at_pressures(results), columns)
+    return table_of(at_pressures(results), columns, left=(0,))
 
 
 @dataclass(frozen=True)
@@ -206,7 +206,9 @@ def assumptions(results: PaperResults) -> Table:
     for name in REFERENCE_SCENES:
         case = results.named(name)
         for quantity, label in ASSUMPTIONS.items():
-            cells = [_beside(case.row(quantity, pressure_kpa=p), case.row(quantity, "closed_form", p)) for p in PRESSURES_KPA]
+            cells = [
+                _beside(case.row(quantity, pressure_kpa=p), case.row(quantity, "closed_form", p)) for p in PRESSURES_KPA
+            ]
             if any(cell != MISSING for cell in cells):
                 lines.append((name, label, *cells))
     header = ("actuator", "what", *(f"{pressure:g} kPa" for pressure in PRESSURES_KPA))

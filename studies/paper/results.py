@@ -5,6 +5,7 @@ What has not been run is no exception: a case without runs, a row without a numb
 
 from __future__ import annotations
 
+import inspect
 import math
 import re
 from collections.abc import Iterable, Sequence
@@ -26,44 +27,37 @@ from studies.results.rows import FOLDED_BACK, Row, row
 from studies.scene.bellows import Scene
 
 # Modules that decide what is measured in the states of a run, beside the code that the run is keyed by.
-_MEASURING: Final = tuple(Path(module.__file__) for module in (measures, chains, loads, compare, uncertainty))
+_MEASURING: Final = tuple(Path(inspect.getfile(module)) for module in (measures, chains, loads, compare, uncertainty))
 _LIMIT: Final = re.compile(r"up to ([\d.]+) kPa")
 
 
 @dataclass(frozen=True)
 class CaseResult:
-    """A case, its folder, its runs with their rows (None: not run), and what was measured in its axisymmetric states."""
+    """A case and what has been found of it; nothing if it has not been run.
+
+    Attributes
+    ----------
+    case, folder, scene_if_run
+        Whose; None without a folder.
+    axisymmetric, sector, full3d
+        Runs, coarsest first.
+    rows
+        Comparison rows of the scene, and what was measured in its axisymmetric states.
+    """
 
     case: Case
-    folder: Path
-    result: SceneResult | None = None
-    measured: tuple[Row, ...] = ()
+    folder: Path = Path()
+    scene_if_run: Scene | None = None
+    axisymmetric: tuple[Run, ...] = ()
+    sector: tuple[Run, ...] = ()
+    full3d: tuple[Run, ...] = ()
+    rows: tuple[Row, ...] = ()
 
     @property
     def scene(self) -> Scene:
-        """The scene of a case that has been run."""
-        assert self.result is not None
-        return self.result.scene
-
-    @property
-    def pressures_kpa(self) -> Sequence[float]:
-        """Requested pressures, kPa."""
-        return self.scene.load.pressure_kpa if self.result else ()
-
-    @property
-    def axisymmetric(self) -> tuple[Run, ...]:
-        """Axisymmetric runs, coarsest first."""
-        return self.result.axisymmetric if self.result else ()
-
-    @property
-    def sector(self) -> tuple[Run, ...]:
-        """Runs of a sector, coarsest first."""
-        return self.result.sector if self.result else ()
-
-    @property
-    def full3d(self) -> tuple[Run, ...]:
-        """Runs in full 3D, coarsest first."""
-        return self.result.full3d if self.result else ()
+        """Scene of a case that has been run."""
+        assert self.scene_if_run is not None
+        return self.scene_if_run
 
     @property
     def runs(self) -> tuple[Run, ...]:
@@ -71,9 +65,9 @@ class CaseResult:
         return (*self.axisymmetric, *self.sector, *self.full3d)
 
     @property
-    def rows(self) -> tuple[Row, ...]:
-        """All rows."""
-        return (*self.result.rows, *self.measured) if self.result else ()
+    def pressures_kpa(self) -> Sequence[float]:
+        """Requested pressures, kPa."""
+        return self.scene.load.pressure_kpa if self.scene_if_run else ()
 
     def row(
         self,
@@ -107,7 +101,7 @@ class PaperResults:
 
     def result_of(self, case: Case) -> CaseResult:
         """What has been found of a case."""
-        return next((c for c in self.cases if c.case == case), CaseResult(case, Path()))
+        return next((c for c in self.cases if c.case == case), CaseResult(case))
 
     def variant(self, base: str, group: Group, suffix: str = "") -> CaseResult:
         """The case of a group made from a scene, the one whose name ends so if there are several."""
@@ -118,7 +112,7 @@ class PaperResults:
         return self.result_of(next(c for c in cases("core", "alternates") if c.scene == name))
 
     def unfolding(self, base: str, model: str) -> Row:
-        """Pressure (kPa) at which a scene's roots are unfolded; from the run to 30 kPa if that to 20 kPa ends before."""
+        """Pressure (kPa) at which roots are unfolded; from the run to 30 kPa if that to 20 kPa ends before."""
         near, far = (self.variant(base, group).row("unfolding_kpa", model, None) for group in ("core", "beyond"))
         return near if is_known(near) or far.status == MISSING else far
 
@@ -139,21 +133,21 @@ def read_results(folder: Path, chosen: Iterable[Case]) -> PaperResults:
     for case in chosen:
         place = folder / case.name
         if (place / SCENE_FILE).exists():
-            result = read_scene_folder(place, current=True)
-            found.append(CaseResult(case, place, result, _measured(place, result)))
+            of = read_scene_folder(place, current=True)
+            rows = (*of.rows, *_measured(place, of))
+            found.append(CaseResult(case, place, of.scene, of.axisymmetric, of.sector, of.full3d, rows))
     return PaperResults(tuple(found))
 
 
-def _measured(place: Path, result: SceneResult) -> tuple[Row, ...]:
+def _measured(place: Path, result: SceneResult) -> list[Row]:
     """The measured rows of a case; kept beside its runs, for measuring some hundred states takes a minute."""
     key = content_key([run.summary.content_hash for run in result.axisymmetric], sources=_MEASURING)
-    rows = kept(
+    return kept(
         place / "measured.json",
         key,
         list[Row],
         lambda: measures.measured_rows(result.scene, result.axisymmetric, place),
     )
-    return tuple(rows)
 
 
 # --- rows -----------------------------------------------------------------------------------
@@ -162,7 +156,7 @@ def _measured(place: Path, result: SceneResult) -> tuple[Row, ...]:
 def find(
     rows: Iterable[Row], quantity: str, model: str, pressure_kpa: float | None = None, level: str | None = None
 ) -> Row:
-    """The last row of a quantity and a model (levels ascend, so the finest) at a pressure; one without a number if none."""
+    """The last row of a quantity and a model (levels ascend, so the finest) at a pressure; if none, `no_row`."""
     found = no_row()
     for entry in rows:
         if entry.quantity == quantity and entry.model == model and level in (None, entry.level):

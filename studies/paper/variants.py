@@ -23,7 +23,6 @@ from studies.paper.results import (
     PaperResults,
     common_levels,
     ending,
-
     is_known,
     last_kpa,
     modes,
@@ -32,7 +31,7 @@ from studies.paper.results import (
 from studies.report.labels import TIP_FORCE, run_label
 from studies.report.numbers import MISSING, count, difference_text, measured_text, number_text, short_time, value_text
 from studies.report.tables import Table, table_of
-from studies.results.rows import Row, difference_percent
+from studies.results.rows import Row
 
 REFERENCE_RING: Final = "ring-pla"
 

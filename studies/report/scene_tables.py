@@ -214,18 +214,20 @@ def masses(scene: SceneReport) -> Table:
 
 def provenance(scenes: Sequence[SceneReport], stamps: Mapping[str, str]) -> Table:
     """The caller's stamps, and those of the runs: a run that was not repeated keeps its own."""
-    runs = [run for scene in scenes for run in scene.runs]
+    return facts_table({**stamps, **stamps_of([run for scene in scenes for run in scene.runs])})
+
+
+def stamps_of(runs: Sequence[RunSummary]) -> dict[str, str]:
+    """What runs were made with, and when."""
+    versions = (", ".join(f"{name} {version}" for name, version in run.versions.items()) for run in runs)
+    when = sorted({run.when for run in runs})
     own = {
         "commit of the runs": sorted({run.commit for run in runs}),
         "BLAS of the runs": sorted({run.blas for run in runs}),
-        "versions of the runs": sorted(
-            {", ".join(f"{name} {version}" for name, version in run.versions.items()) for run in runs}
-        ),
-        "runs made": sorted({run.when for run in runs}),
+        "versions of the runs": sorted(set(versions)),
+        "runs made": [f"{when[0]} to {when[-1]}"] if len(when) > 2 else when,
     }
-    if len(own["runs made"]) > 2:
-        own["runs made"] = [f"{own['runs made'][0]} to {own['runs made'][-1]}"]
-    return facts_table({**stamps, **{name: "; ".join(values) for name, values in own.items() if values}})
+    return {name: "; ".join(values) for name, values in own.items() if values}
 
 
 def seconds_of(runs: Sequence[RunSummary]) -> dict[str, list[float]]:
