@@ -7,7 +7,7 @@ Only that the four actuators reach their pressures decides the exit code.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -29,92 +29,69 @@ INSIDE_PERCENT: Final = 95.0
 
 @dataclass(frozen=True)
 class Check:
-    """A band and the finer mesh's value.
-
-    Attributes
-    ----------
-    case, model, pressure_kpa
-        Whose.
-    level, finer
-        Meshes of the band and of the value that has to be in it.
-    value, band, finer_value
-        Elongation, mm, or force, N: on the coarser mesh, its uncertainty, on the finer mesh.
-    """
+    """A band, which is a row of a case, and the value of a finer mesh that has to be in it (mm, or N)."""
 
     case: str
-    model: str
-    pressure_kpa: float
-    level: str
+    row: Row
     finer: str
-    value: float
-    band: float
     finer_value: float
 
     @property
     def inside(self) -> bool:
         """True if the band holds the finer value."""
-        return abs(self.finer_value - self.value) <= self.band
+        return self.distance <= self.row.uncertainty
+
+    @property
+    def distance(self) -> float:
+        """From the band's middle to the finer value."""
+        return abs(self.finer_value - self.row.value)
 
     @property
     def meshes(self) -> str:
         """What is tested by what."""
-        return f"{level_label(self.level)} by {level_label(self.finer)}"
+        return f"{level_label(self.row.level)} by {level_label(self.finer)}"
 
 
-def meridian_checks(results: PaperResults) -> tuple[Check, ...]:
-    """Band of every axisymmetric mesh, from it and the coarser ones, against the next finer mesh; all cases."""
-    return _checks(results, _meridian_checks)
-
-
-def body_checks(results: PaperResults) -> tuple[Check, ...]:
-    """Stated band of every full 3D mesh, from it and the coarser ones, against the finest mesh; all cases."""
-    return _checks(results, _body_checks)
-
-
-def _checks(results: PaperResults, of: Callable[[CaseResult, CaseResult | None], list[Check]]) -> tuple[Check, ...]:
-    """Checks of every case, with that of finer meshes of the same scene if there is one."""
-    found: list[Check] = []
+def checks(results: PaperResults) -> dict[str, list[Check]]:
+    """All bands by what they have to hold."""
+    pairs = []
     for case in results.cases:
         if case.case.group in ("core", "alternates"):
-            found += of(case, results.variant(case.case.base, "audit"))
+            pairs.append((case, results.variant(case.case.base, "audit")))
         elif case.case.group != "audit":
-            found += of(case, None)
-    return tuple(found)
+            pairs.append((case, CaseResult(case.case)))
+    return {
+        "axisymmetric bands that hold the next finer mesh": [c for pair in pairs for c in _meridian_checks(*pair)],
+        "full 3D bands that hold the finest mesh": [c for pair in pairs for c in _body_checks(*pair)],
+    }
 
 
-def _meridian_checks(case: CaseResult, audit: CaseResult | None) -> list[Check]:
-    """A band takes two meshes."""
+def _meridian_checks(case: CaseResult, audit: CaseResult) -> Iterator[Check]:
+    """Band of every axisymmetric mesh, from it and the coarser ones, by the next finer mesh; it takes two."""
     runs = case.axisymmetric
     own = max((fineness(run.summary.level) for run in runs), default=0)
-    more = [run for run in (audit.axisymmetric if audit else ()) if fineness(run.summary.level) > own]
-    found = []
-    for count, finer in enumerate([*runs, *more][2:], start=2):
-        if count <= len(runs):
-            found += _against(case, scene_rows(case.scene, runs[:count]), runs[count - 1], finer)
-    return found
+    more = [run for run in audit.axisymmetric if fineness(run.summary.level) > own]
+    for count, finer in enumerate([*runs, *more][2 : len(runs) + 1], start=2):
+        yield from _against(case, scene_rows(case.scene, runs[:count]), runs[count - 1], finer)
 
 
-def _body_checks(case: CaseResult, audit: CaseResult | None) -> list[Check]:
-    """A band takes one mesh, beside the axisymmetric runs and the sectors."""
-    runs = sorted([*case.full3d, *(audit.full3d if audit else ())], key=lambda run: ranking(run.summary.level))
-    found = []
+def _body_checks(case: CaseResult, audit: CaseResult) -> Iterator[Check]:
+    """Band of every full 3D mesh, from it, the coarser ones and all meridians and sectors, by the finest mesh."""
+    runs = sorted([*case.full3d, *audit.full3d], key=lambda run: ranking(run.summary.level))
     for count, run in enumerate(case.full3d, start=1):
         if run is not runs[-1]:
             rows = scene_rows(case.scene, case.axisymmetric, case.sector, case.full3d[:count])
-            found += _against(case, rows, run, runs[-1])
-    return found
+            yield from _against(case, rows, run, runs[-1])
 
 
-def _against(case: CaseResult, rows: Sequence[Row], run: Run, finer: Run) -> list[Check]:
+def _against(case: CaseResult, rows: Sequence[Row], run: Run, finer: Run) -> Iterator[Check]:
     """Bands in rows of one run against another run at every requested pressure that both reached."""
-    quantity, model, level = main_quantity(case.scene), run.summary.model, run.summary.level
-    found = []
+    quantity = main_quantity(case.scene)
     for pressure in case.pressures_kpa:
-        row, fine = find(rows, quantity, model, pressure, level), tip_at(finer, pressure, quantity)
-        if math.isfinite(row.value + row.uncertainty + fine):
-            band = (row.value, row.uncertainty, fine)
-            found.append(Check(case.case.scene, model, pressure, level, finer.summary.level, *band))
-    return found
+        row = find(rows, quantity, run.summary.model, pressure, run.summary.level)
+        value = tip_at(finer, pressure, quantity)
+        if math.isfinite(row.value + row.uncertainty + value):
+            yield Check(case.case.scene, row, finer.summary.level, value)
 
 
 # --- bars -----------------------------------------------------------------------------------
@@ -134,8 +111,7 @@ def main_bars(results: PaperResults) -> list[Bar]:
         found.append(_at_most(f"{name}: uncertainty of full 3D at {HIGHEST_KPA:g} kPa", UNCERTAINTY_PERCENT, share))
         gap = _gap_percent(results.named(name), [HIGHEST_KPA])
         found.append(_at_most(f"{name}: axisymmetric from full 3D at {HIGHEST_KPA:g} kPa", GAP_PERCENT, gap))
-    audits = _audits(results).items()
-    return [*found, *(_share(f"{label}: all meshes, all cases", checks) for label, checks in audits)]
+    return [*found, *(_share(f"{label}: all meshes, all cases", of) for label, of in checks(results).items())]
 
 
 def _more(results: PaperResults) -> list[Bar]:
@@ -148,20 +124,13 @@ def _more(results: PaperResults) -> list[Bar]:
         for name in REFERENCE_SCENES
     ]
     actuators = {case.case.scene for case in results.of("core", "alternates")}
-    for label, checks in _audits(results).items():
-        for meshes in dict.fromkeys(check.meshes for check in checks):
-            of_meshes = [check for check in checks if check.meshes == meshes]
+    for label, of_model in checks(results).items():
+        for meshes in dict.fromkeys(check.meshes for check in of_model):
+            of_meshes = [check for check in of_model if check.meshes == meshes]
             plain = [check for check in of_meshes if check.case in actuators]
             found.append(_share(f"{label}: {meshes}, reference and alternates", plain))
             found.append(_share(f"{label}: {meshes}, all cases", of_meshes))
     return found
-
-
-def _audits(results: PaperResults) -> dict[str, tuple[Check, ...]]:
-    return {
-        "axisymmetric bands that hold the next finer mesh": meridian_checks(results),
-        "full 3D bands that hold the finest mesh": body_checks(results),
-    }
 
 
 def _reached(case: CaseResult) -> Bar:
@@ -192,24 +161,27 @@ def _at_most(what: str, limit: float, percent: float) -> Bar:
     return Bar(wanted, f"{rounded_up(percent, 2):g} %", percent <= limit, decides=False)
 
 
-def _share(what: str, checks: Sequence[Check]) -> Bar:
+def _share(what: str, of: Sequence[Check]) -> Bar:
     wanted = f"{what}: at least {INSIDE_PERCENT:g} %"
-    if not checks:
+    if not of:
         return Bar(wanted, MISSING, None, decides=False)
-    inside = sum(check.inside for check in checks)
-    share = 100.0 * inside / len(checks)
-    return Bar(wanted, f"{share:.1f} % ({inside} of {len(checks)})", share >= INSIDE_PERCENT, decides=False)
+    inside = sum(check.inside for check in of)
+    share = 100.0 * inside / len(of)
+    return Bar(wanted, f"{share:.1f} % ({inside} of {len(of)})", share >= INSIDE_PERCENT, decides=False)
 
 
 def misses(results: PaperResults) -> Table:
     """Every band that does not hold the finer mesh's value (mm, or N of a blocked tip)."""
     columns: dict[str, Callable[[Check], str]] = {
         "case": lambda check: check.case,
-        "pressure, kPa": lambda check: f"{check.pressure_kpa:g}",
-        "mesh of the band": lambda check: run_label(check.model, check.level),
-        "value and band": lambda check: f"{check.value:.4f} ± {up(check.band, 4)}",
+        "pressure, kPa": lambda check: f"{check.row.pressure_kpa:g}",
+        "mesh of the band": lambda check: run_label(check.row.model, check.row.level),
+        "value and band": lambda check: f"{check.row.value:.4f} ± {up(check.row.uncertainty, 4)}",
         "finer mesh": lambda check: f"{level_label(check.finer)}: {check.finer_value:.4f}",
-        "distance over band": lambda c: f"{abs(c.finer_value - c.value) / c.band:.2g}" if c.band else MISSING,
+        "distance over band": lambda check: _ratio(check.distance, check.row.uncertainty),
     }
-    checks = (*meridian_checks(results), *body_checks(results))
-    return table_of((check for check in checks if not check.inside), columns, left=(0, 2))
+    return table_of((c for of in checks(results).values() for c in of if not c.inside), columns, left=(0, 2))
+
+
+def _ratio(distance: float, band: float) -> str:
+    return f"{distance / band:.2g}" if band else MISSING

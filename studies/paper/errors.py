@@ -49,16 +49,6 @@ class Answers:
     pressure_kpa: float
 
     @property
-    def name(self) -> str:
-        """The actuator's."""
-        return self.actuator.name
-
-    @property
-    def pressure(self) -> str:
-        """As text."""
-        return f"{self.pressure_kpa:g}"
-
-    @property
     def modes(self) -> str:
         """Unstable modes: axisymmetric, full 3D, tetrahedra."""
         runs = (self.case.axisymmetric, self.case.full3d, self.tetrahedra.full3d)
@@ -109,7 +99,7 @@ def _error(model: str) -> Callable[[Answers], str]:
 def answers(results: PaperResults) -> Table:
     """Elongation at 20 kPa of each actuator by every model and by the paper, and unstable modes."""
     columns: dict[str, Callable[[Answers], str]] = {
-        "actuator": lambda a: a.name,
+        "actuator": lambda a: a.actuator.name,
         "silicone, inferred": lambda a: SILICONES[a.actuator.silicone],
         **{label_of(model): _value(model) for model in (*CHAINS[:3], *SOLVED, *PRINTED)},
         "unstable modes: axisymmetric / full 3D / tetrahedra": lambda a: a.modes,
@@ -120,8 +110,8 @@ def answers(results: PaperResults) -> Table:
 def closed_form_errors(results: PaperResults) -> Table:
     """Each chain less the best finite-element answer, mm and percent of it, by actuator and pressure (kPa)."""
     columns: dict[str, Callable[[Answers], str]] = {
-        "actuator": lambda a: a.name,
-        "pressure, kPa": lambda a: a.pressure,
+        "actuator": lambda a: a.actuator.name,
+        "pressure, kPa": lambda a: f"{a.pressure_kpa:g}",
         "finite elements": lambda a: model_label(a.best().model),
         "elongation, mm": lambda a: value_text(a.best()),
         **{f"{model_label(model)}, mm (%)": _error(model) for model in CHAINS},
@@ -132,8 +122,8 @@ def closed_form_errors(results: PaperResults) -> Table:
 def model_errors(results: PaperResults) -> Table:
     """The finite-element answers against each other: axisymmetric and tetrahedra less hexahedra, mm (%)."""
     columns: dict[str, Callable[[Answers], str]] = {
-        "actuator": lambda a: a.name,
-        "pressure, kPa": lambda a: a.pressure,
+        "actuator": lambda a: a.actuator.name,
+        "pressure, kPa": lambda a: f"{a.pressure_kpa:g}",
         **{f"{label_of(model)}, mm": _value(model) for model in (*SOLVED, "sector")},
         **{f"{model} less full 3D, mm (%)": _less(model, "full3d") for model in ("axisymmetric", TETRAHEDRA)},
     }
@@ -162,7 +152,7 @@ def compared(results: PaperResults) -> list[Compared]:
     """Every model's answers at 20 kPa, the paper's own models among them."""
     models = ("paper_closed_form", "paper_ansys", *CHAINS[:3], *SOLVED)
     return [
-        Compared(a.name, model, a.of(model), a.of("paper_ansys"), a.of("paper_experiment"))
+        Compared(a.actuator.name, model, a.of(model), a.of("paper_ansys"), a.of("paper_experiment"))
         for a in at_pressures(results, (HIGHEST_KPA,))
         for model in models
     ]
@@ -183,14 +173,13 @@ def mean_errors(results: PaperResults) -> Table:
     by_model: dict[str, list[Compared]] = {}
     for found in compared(results):
         of_model = by_model.setdefault(found.model, [])
-        of_model += [found] if means_something(found.row) else []
+        of_model += [found] if means_something(found.row) and is_known(found.ansys) else []
     lines = []
     for model, of_model in by_model.items():
         cells: list[str] = []
         for pairs in ([(c.row, c.ansys) for c in of_model], [(c.row, c.test) for c in of_model]):
-            known = [(row.value, printed.value) for row, printed in pairs if is_known(printed)]
-            cells.append(_mean([abs(value - printed) for value, printed in known]))
-            cells.append(_mean([abs(difference_percent(value, printed)) for value, printed in known]))
+            cells.append(_mean([abs(row.value - printed.value) for row, printed in pairs]))
+            cells.append(_mean([abs(difference_percent(row.value, printed.value)) for row, printed in pairs]))
         lines.append((label_of(model), f"{len(of_model)}", *cells))
     header = ("model", "actuators", "from ANSYS, mm", "from ANSYS, %", "from the test, mm", "from the test, %")
     return Table(header, tuple(lines))

@@ -334,8 +334,10 @@ def from_zero(panels: Sequence[Axes], headroom: float = 1.0) -> None:
 
 def legend_below(figure: Figure, entries: Iterable[Any], columns: int = 3, **look: Any) -> None:
     """A legend below all panels, each label once."""
-    once = {entry.get_label(): entry for entry in reversed(list(entries))}
-    figure.legend(handles=list(once.values())[::-1], ncols=columns, **BELOW, **look)
+    once: dict[str, Any] = {}
+    for entry in entries:
+        once.setdefault(entry.get_label(), entry)
+    figure.legend(handles=list(once.values()), ncols=columns, **BELOW, **look)
 
 
 def name_of(scene: Scene) -> str:
