@@ -254,3 +254,17 @@ def cook_membrane(cells: int, thickness_mm: float = 1.0) -> SolidMesh:
     points = np.column_stack([48.0 * x, low + y * (high - low), thickness_mm * z])
     corner = int(np.argmin(np.abs(mesh.points - [1.0, 1.0, 0.0]).sum(axis=1)))
     return replace(mesh, points=points, facet_tags=tags, tip_centre_node=corner)
+
+
+def joined(one: SolidMesh, other: SolidMesh) -> SolidMesh:
+    """Two meshes of the same cells as one; they share no node, wherever they are. The tip is that of the first."""
+    shift = len(one.points)
+    return replace(
+        one,
+        points=np.vstack([one.points, other.points]),
+        cells=np.vstack([one.cells, other.cells + shift]),
+        regions=np.concatenate([one.regions, other.regions]),
+        facets=np.vstack([one.facets, other.facets + shift]),
+        facet_tags=np.concatenate([one.facet_tags, other.facet_tags]),
+        facet_bodies=np.concatenate([one.facet_bodies, other.facet_bodies]),
+    )

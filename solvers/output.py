@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -98,8 +99,6 @@ def write_mode(path: Path, mesh: MeshArrays, state: State, mode: State) -> None:
     state, mode
         The state at the crossing, and the mode in it, 1 mm at most.
     """
-    import pyvista
-
     shapes = {"displacement_mm": state.displacement_mm, "mode_mm": mode.displacement_mm}
     buffer = io.BytesIO()
     np.savez(
@@ -113,14 +112,30 @@ def write_mode(path: Path, mesh: MeshArrays, state: State, mode: State) -> None:
         **shapes,
     )
     write_atomically(path.with_suffix(".npz"), buffer.getvalue())
-    flat = {"points": mesh.points, **shapes}
-    if mesh.points.shape[1] == 2:  # ParaView wants three components
-        flat = {name: np.column_stack([value, np.zeros(len(value))]) for name, value in flat.items()}
+    flat_grid(mesh, shapes).save(path.with_suffix(".vtu"))
+
+
+def save_mesh(path: Path, mesh: MeshArrays) -> None:
+    """Write a body's or a meridian's cells with their regions as a VTU file."""
+    grid = flat_grid(mesh, {})
+    grid.cell_data["region"] = mesh.regions
+    path.parent.mkdir(parents=True, exist_ok=True)
+    grid.save(path)
+
+
+def flat_grid(mesh: MeshArrays, fields: Mapping[str, FloatArray]) -> Any:
+    """A body or a meridian as a pyvista grid with vectors at its nodes; ParaView wants three components of all."""
+    import pyvista
+
+    def padded(vectors: FloatArray) -> FloatArray:
+        missing = 3 - vectors.shape[1]
+        return np.column_stack([vectors, np.zeros((len(vectors), missing))]) if missing else vectors
+
     kind, order = _VTK[_cell_name(mesh)]
-    grid = pyvista.UnstructuredGrid({kind: mesh.cells[:, order]}, flat.pop("points"))
-    for name, value in flat.items():
-        grid.point_data[name] = value
-    grid.save(path.with_suffix(".vtu"))
+    grid = pyvista.UnstructuredGrid({kind: mesh.cells[:, order]}, padded(mesh.points))
+    for name, value in fields.items():
+        grid.point_data[name] = padded(value)
+    return grid
 
 
 def write_vtu(path: Path, mesh: MeshArrays, state: State) -> None:

@@ -34,7 +34,17 @@ ROWS_FILE = "rows.csv"
 # Studies in the order of a reader's questions, and the module that has each as STUDY.
 STUDIES: Mapping[str, str] = {
     "paper": "studies.paper.study",
+    "closed-form": "studies.closed_form.study",
+    "dimensions": "studies.dimensions.study",
+    "modes": "studies.modes.study",
+    "branches": "studies.branches.study",
+    "imperfection": "studies.imperfection.study",
+    "contact": "studies.contact.study",
     "vacuum": "studies.vacuum.study",
+    "stability": "studies.stability.study",
+    "large": "studies.large.study",
+    "stacks": "studies.stacks.study",
+    "benchmark-closed-form": "studies.closed_form.speed",
 }
 
 
@@ -130,6 +140,8 @@ class Page:
         What it must show; the exit code is 3 if one that decides it is not met.
     tables
         Other files of rows by name, such as crossings.csv.
+    headlines
+        What the terminal is told, a line each.
     """
 
     rows: Sequence[Row]
@@ -137,6 +149,7 @@ class Page:
     stopped: Sequence[str] = ()
     bars: Sequence[Bar] = ()
     tables: Mapping[str, Sequence[Row]] = field(default_factory=dict)
+    headlines: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -216,7 +229,7 @@ def run(study: Study[CaseT, ResultT], out: Path, comm: MPI.Comm, options: Mappin
     setting = Setting(out, comm, Progress(comm), options)
     faults = list(study.prepare(cases, setting)) if study.prepare else []
     solved, more = solve_cases(study, cases, setting)
-    code = first(comm, lambda: _write(study, solved, [*faults, *more], setting, time.perf_counter() - begin))
+    code = first(comm, lambda: _write(study, solved, [*faults, *more], setting, begin))
     return code
 
 
@@ -228,8 +241,9 @@ def render(study: Study[CaseT, ResultT], out: Path) -> int:
     int
         Exit code, as of `run`.
     """
+    begin = time.perf_counter()
     (out / "pictures").mkdir(parents=True, exist_ok=True)
-    return _write(study, (), (), Setting(out, MPI.COMM_SELF, Progress(MPI.COMM_SELF), {}), 0.0)
+    return _write(study, (), (), Setting(out, MPI.COMM_SELF, Progress(MPI.COMM_SELF), {}), begin)
 
 
 def solve_cases(
@@ -284,7 +298,7 @@ def _write(
     solved: Sequence[Solved[CaseT, ResultT]],
     faults: Sequence[str],
     setting: Setting,
-    wall_s: float,
+    begin: float,
 ) -> int:
     """Rows, page, and what the terminal is told; returns the exit code."""
     page = study.page(solved, setting)
@@ -297,13 +311,13 @@ def _write(
         "question": study.question,
         "stopped": stopped,
         "bars": bars_table(page.bars),
-        "wall": duration(wall_s),
+        "wall": duration(time.perf_counter() - begin),
         "provenance": stamp_table(setting.comm),
     }
     report = write_page(setting.out, study.template, {**facts, **page.content})
     for line in [*stopped, *(f"not met: {bar.wanted}: {bar.found}" for bar in missed)]:
         click.echo(line, err=True)
-    click.echo(f"report: {report}")
+    click.echo("\n".join([*page.headlines, f"report: {report}"]))
     return STOPPED if stopped or missed else REACHED
 
 

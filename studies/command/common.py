@@ -6,13 +6,39 @@ import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import NoReturn
 
 import click
 from mpi4py import MPI
 
+from analytical.bellows.dimensions import BellowsError
+from meshes.errors import GeometryError, MeshError
+from solvers.errors import SolverError
+from studies.planning.levels import MODELS, Model
+from studies.planning.planner import make_plan
+from studies.scene.files import Scene, load_scene
 from studies.scene.sections import SceneError
 
 BAD_INPUT, STOPPED = 2, 3
+# What may go wrong in a run; it is named, and what was reached is kept.
+FAULTS = (GeometryError, MeshError, SolverError, BellowsError)
+
+SCENE = click.argument("scene", type=click.Path(path_type=Path))
+SCENES = click.argument("scenes", nargs=-1, required=True, type=click.Path(path_type=Path))
+OUT = click.option(
+    "--out", required=True, type=click.Path(path_type=Path), help="Folder for the results; made if missing."
+)
+MODEL = click.option(
+    "--model",
+    type=click.Choice(MODELS),
+    help="Force this model; default: the cheapest whose error can be held within the scene's tolerance.",
+)
+JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON, for programs.")
+
+
+def examples(*lines: str) -> str:
+    """Epilogue of a command's help."""
+    return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in lines)
 
 
 def say(text: str, err: bool = False) -> None:
@@ -21,10 +47,26 @@ def say(text: str, err: bool = False) -> None:
         click.echo(text, err=err)
 
 
-def refuse(text: str) -> None:
+def refuse(text: str) -> NoReturn:
     """End with a message and the exit code of bad input."""
     say(text, err=True)
     sys.exit(BAD_INPUT)
+
+
+def load_scenes(paths: tuple[Path, ...], model: Model | None = None) -> list[tuple[Scene, str]]:
+    """All scenes and their files' texts, or exit with every fault found, also of the model; nothing is written."""
+    scenes, faults = [], []
+    for path in paths:
+        try:
+            scenes.append((load_scene(path), path.read_text(encoding="utf-8")))
+            make_plan(scenes[-1][0], model)
+        except SceneError as error:
+            faults.append(str(error))
+    names = [scene.name for scene, _ in scenes]
+    faults += [f"name = {n!r}: two scenes have it; give each its own" for n in {n for n in names if names.count(n) > 1}]
+    if faults:
+        refuse("\n".join(faults))
+    return scenes
 
 
 def check_writable(folder: Path) -> None:

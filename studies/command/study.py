@@ -9,7 +9,7 @@ from typing import Any
 import click
 from mpi4py import MPI
 
-from studies.command.common import check_writable, guarded, say
+from studies.command.common import check_writable, examples, guarded, say
 
 
 class _Studies(click.Group):
@@ -52,19 +52,22 @@ def command_of(study: Any) -> click.Command:
     return click.Command(study.name, callback=call, params=[option, *study.options], help=study.question)
 
 
-@click.group(cls=_Studies, invoke_without_command=True)
+@click.group(
+    cls=_Studies,
+    invoke_without_command=True,
+    epilog=examples(
+        "bellowsx study --list",
+        "bellowsx study vacuum --out results/vacuum",
+        "mpirun -n 2 bellowsx study paper --part core",
+    ),
+)
 @click.option("--list", "listed", is_flag=True, help="List the studies and what each asks.")
 @click.pass_context
 def study(ctx: click.Context, listed: bool) -> None:
-    r"""Run a study: its cases, rows.csv, report.md and report.html.
+    """Run a study: its cases, rows.csv, report.md and report.html.
 
     What is already there of the same content is not solved again, so an interrupted study goes on where it was. Exit
     code 3: a case stopped early, or something that the study must show is not met.
-
-    \b
-    bellowsx study --list
-    bellowsx study vacuum --out results/vacuum
-    mpirun -n 2 bellowsx study paper --part core
     """
     if ctx.invoked_subcommand is None:
         say("\n".join(f"{name:22}  {question}" for name, question in questions()) if listed else ctx.get_help())

@@ -18,17 +18,19 @@ from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
 from solvers.paths.records import PathSettings, PathState
 from studies.cost.cells import Cell, Measurement, cell_scene
-from studies.models.body_run import run_exact
-from studies.models.build import SECTORS, Tip, masses_g, scene_body, scene_meridian, scene_problem
+from studies.models.axisymmetric import run_axisymmetric
+from studies.models.body import run_simple_body
+from studies.models.build import Tip, masses_g, scene_problem
+from studies.models.closed_form import run_closed_form
+from studies.models.full3d import run_full3d
 from studies.models.gaps import GapMeter
-from studies.models.run_log import Log, Run, begin, finish, path_row
-from studies.models.runs import run_axisymmetric, run_body, run_closed_form, run_hash
-from studies.planning.body_plan import ExactPlan
+from studies.models.run_log import Log, begin, path_row
 from studies.planning.levels import BodyLevel, body_level, fineness
 from studies.progress import Progress
 from studies.results import provenance
-from studies.results.compare import tip_at
-from studies.scene.bellows import Scene
+from studies.results.runs import Run, run_hash, tip_at
+from studies.scene.bellows import BellowsScene
+from studies.scene.meshes import SECTORS, scene_body, scene_meridian
 
 # To be raised when something else is measured, so that what was measured before is not taken for it.
 MEASURED_AS = 1
@@ -53,12 +55,10 @@ def solve(cell: Cell, folder: Path, comm: MPI.Comm) -> Answer:
     """
     scene, progress = cell_scene(cell), Progress(comm)
     place = folder / f"{cell.model}-{cell.level}"
-    if not isinstance(scene, Scene):
-        plan = ExactPlan(cell.model, (cell.level,), False, ())
-        run = run_exact(scene, plan, cell.level, place, comm, progress)
+    if not isinstance(scene, BellowsScene):
+        run = run_simple_body(scene, cell.model, cell.level, place, comm, progress)
         last = scene.loads_kpa[-1]
-        value = next((v["bore_mm"] for p, v in run.measured.items() if math.isclose(p, last, rel_tol=1e-9)), math.nan)
-        return Answer((run.run,), value, last)
+        return Answer((run,), run.measured_at(last, "bore_mm"), last)
     if cell.model == "closed_form":
         runs: tuple[Run, ...] = (run_closed_form(scene, place, comm),)
     elif cell.model == "axisymmetric":
@@ -70,43 +70,33 @@ def solve(cell: Cell, folder: Path, comm: MPI.Comm) -> Answer:
         base = folder / f"axisymmetric-r{level.meridian}"
         first = run_axisymmetric(scene, level.meridian, base, comm, progress)
         assert cell.model == "sector" or cell.model == "full3d"
-        runs = (first, run_body(scene, cell.model, level, base, place, comm, progress, ()))
+        runs = (first, run_full3d(scene, cell.model, level, base, place, comm, progress, ()))
     last = scene.load.pressure_kpa[-1]
     return Answer(runs, tip_at(runs[-1], last), last)
 
 
-def cold_body(scene: Scene, cell: Cell, level: BodyLevel, folder: Path, comm: MPI.Comm, progress: Progress) -> Run:
+def cold_body(
+    scene: BellowsScene, cell: Cell, level: BodyLevel, folder: Path, comm: MPI.Comm, progress: Progress
+) -> Run:
     """A body's own path from zero, without an axisymmetric state to start from; every rank calls."""
     key = run_hash(scene, f"{cell.model}-cold", level.name)
-    job = begin(scene.name, cell.model, level.name, folder, key, (), progress, scene.pressures_mpa[-1])
+    job = begin(scene, cell.model, level.name, folder, progress, content_hash=key)
     meridian = scene_meridian(scene, level.meridian)
     body = scene_body(meridian, cell.model, level.around)
     meshed = time.perf_counter() - job.begin
     problem = scene_problem(scene, body if comm.rank == 0 else None, comm)
     problem.timer.seconds["mesh"] = meshed
-    factor = Factor(problem)
-    tip, parts = Tip(scene, body), SECTORS[cell.model]
-    log = Log(
-        job,
-        comm,
-        body,
-        lambda item: path_row(item, tip.mean_mm(item.state), tip.centre_mm(item.state), parts),
-        GapMeter(scene, meridian, body),
-    )
+    tip, parts, gaps = Tip(scene, body), SECTORS[cell.model], GapMeter(scene, meridian, body)
+    log = Log(job, problem, Factor(problem), body, lambda item: path_row(item, tip, parts), gaps)
 
-    def keep(item: PathState) -> None:
+    def take(item: PathState) -> None:
         log.state(item)
 
+    settings = PathSettings(control=scene.load.control)
     path = follow_path(
-        problem,
-        factor,
-        scene.pressures_mpa,
-        PathSettings(control=scene.load.control),
-        progress.iteration,
-        on_state=keep,
-        on_step=lambda memory: log.step(memory, factor),
+        problem, log.factor, scene.pressures_mpa, settings, progress.iteration, on_state=take, on_step=log.step
     )
-    return finish(log, problem, factor, path, meridian, masses_g(scene, meridian))
+    return log.finish(path, meridian, masses_g(scene, meridian))
 
 
 def measure(cell: Cell, folder: Path, comm: MPI.Comm) -> Measurement:

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from studies.results import provenance
-from studies.scene.bellows import Scene
-from studies.scene.bodies import ExactScene, load_any_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.bodies import BodyScene
+from studies.scene.files import load_scene
 
 SCENES = provenance.ROOT / "scenes"
 TUBE, BELLOWS, ACTUATOR = "exact/tube", "peers/bellows", "heung-t2-ri5"
@@ -119,7 +120,7 @@ def measurement(text: str) -> Measurement:
     return Measurement(**data)
 
 
-def cell_scene(cell: Cell) -> Scene | ExactScene:
+def cell_scene(cell: Cell) -> BellowsScene | BodyScene:
     """The scene of a cell: its body's with the cell's element and control, no fields; hexahedra have rigid rings.
 
     Raises
@@ -127,7 +128,7 @@ def cell_scene(cell: Cell) -> Scene | ExactScene:
     SceneError
         If the file is not there or at fault.
     """
-    scene = load_any_scene(SCENES / f"{cell.body}.toml")
+    scene = load_scene(SCENES / f"{cell.body}.toml")
     control = cell.strategy if cell.strategy in ("pressure", "volume") else "auto"
     load: dict[str, Any] = {"control": control}
     if cell.body == ACTUATOR:
@@ -137,7 +138,7 @@ def cell_scene(cell: Cell) -> Scene | ExactScene:
         "mesh": scene.mesh.model_copy(update={"element": "auto" if cell.element == "none" else cell.element}),
         "ask": scene.ask.model_copy(update={"fields": False}),
     }
-    if isinstance(scene, Scene) and cell.element == "hex":
+    if isinstance(scene, BellowsScene) and cell.element == "hex":
         parts["rings"] = scene.rings.model_copy(update={"model": "rigid"})
     if cell.element == "tet-p1":
         parts["material"] = scene.material.model_copy(update={"kappa_over_mu": P1_KAPPA_OVER_MU})

@@ -24,12 +24,9 @@ from meshes.solid import FloatArray
 from solvers.errors import SolverError
 from studies.cost.report import CHOSEN
 from studies.cost.rows import Point, points, power_law
-from studies.models.build import scene_meridian
-from studies.models.run_log import Run
-from studies.models.runs import run_axisymmetric
+from studies.models.axisymmetric import run_axisymmetric
 from studies.planning.error_model import (
     FLOOR_PERCENT,
-    LEVELS,
     LONGEST,
     Cells,
     Fit,
@@ -40,12 +37,15 @@ from studies.planning.error_model import (
     predicted_error_percent,
     predicted_seconds,
 )
+from studies.planning.levels import MERIDIANS
 from studies.progress import Progress
 from studies.results import provenance
-from studies.results.compare import tip_at
 from studies.results.files import write_text_atomically
 from studies.results.rows import REACHED, Row, read_rows, row, write_rows
-from studies.scene.bellows import Scene, load_scene, shape_of
+from studies.results.runs import Run, tip_at
+from studies.scene.bellows import BellowsScene, shape_of
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_meridian
 
 TOLERANCE_SCENES = provenance.ROOT / "scenes" / "tolerance"
 TRAINING, SEED = 24, 20241
@@ -98,10 +98,10 @@ class Sample:
         return tuple(100.0 * abs(v - x) / abs(x) for v, x in zip(self.tips_mm[level], limits_mm, strict=True))
 
 
-def training_scenes() -> list[Scene]:
+def training_scenes() -> list[BellowsScene]:
     """Made-up bellows: walls 0.5 to 2 mm, roots 4 to 10 mm, both silicones, seats, fillets, pitches and pressures."""
     random = np.random.default_rng(SEED)
-    scenes: list[Scene] = []
+    scenes: list[BellowsScene] = []
     while len(scenes) < TRAINING:
         wall, root, depth, seat, fillet, pitch, load = random.uniform(
             [0.5, 4.0, 4.0, 2.0, 0.3, 4.5, 0.6], [2.0, 10.0, 6.0, 4.0, 1.0, 6.0, 2.4]
@@ -120,7 +120,7 @@ def training_scenes() -> list[Scene]:
     return scenes
 
 
-def longer_scenes(scenes: Sequence[Scene]) -> list[Scene]:
+def longer_scenes(scenes: Sequence[BellowsScene]) -> list[BellowsScene]:
     """Some of the scenes with as many convolutions as the model tells apart."""
     found = []
     for scene in scenes[:LONGER]:
@@ -139,7 +139,7 @@ def _scene(
     pitch: float,
     material: Mapping[str, object],
     pressures_kpa: list[float],
-) -> Scene:
+) -> BellowsScene:
     geometry = {
         "kind": "bellows",
         "root_radius_mm": root,
@@ -149,7 +149,7 @@ def _scene(
         "convolutions": 1,
         "fillet_mm": fillet,
     }
-    return Scene.model_validate(
+    return BellowsScene.model_validate(
         {
             "name": name,
             "geometry": geometry,
@@ -160,14 +160,14 @@ def _scene(
     )
 
 
-def in_cells(scene: Scene, cells: Cells) -> Scene:
+def in_cells(scene: BellowsScene, cells: Cells) -> BellowsScene:
     """The scene in these cells, with rigid rings."""
     rings = scene.rings.model_copy(update={"model": "rigid"})
     mesh = scene.mesh.model_copy(update={"element": cells})
     return scene.model_copy(update={"rings": rings, "mesh": mesh})
 
 
-def sample(scene: Scene, cells: Cells, levels: Sequence[int], folder: Path, progress: Progress) -> Sample:
+def sample(scene: BellowsScene, cells: Cells, levels: Sequence[int], folder: Path, progress: Progress) -> Sample:
     """Run a scene on meridian levels; what is there of the same content is used."""
     of = in_cells(scene, cells)
     runs: dict[int, Run] = {}
@@ -188,14 +188,14 @@ def sample(scene: Scene, cells: Cells, levels: Sequence[int], folder: Path, prog
     )
 
 
-def all_samples(scenes: Sequence[Scene], folder: Path, comm: MPI.Comm) -> list[Sample]:
+def all_samples(scenes: Sequence[BellowsScene], folder: Path, comm: MPI.Comm) -> list[Sample]:
     """Samples of scenes in both cells, the quadrilaterals to the finest level; on rank 0, others get none."""
     cells: tuple[Cells, ...] = ("hex", "tet")
     jobs = [(scene, of) for of in cells for scene in scenes]
     progress = Progress(comm)
     mine = []
     for scene, of in jobs[comm.rank :: comm.size]:
-        mine.append(sample(scene, of, (*LEVELS, FINEST) if of == "hex" else LEVELS, folder, progress))
+        mine.append(sample(scene, of, (*MERIDIANS, FINEST) if of == "hex" else MERIDIANS, folder, progress))
     found = comm.gather(mine)
     return [s for of_rank in found for s in of_rank] if found else []
 
@@ -213,9 +213,9 @@ def fit(samples: Sequence[Sample], limits: dict[str, tuple[float, ...]], cells: 
     a tenth.
     """
     of = [s for s in samples if s.cells == cells]
-    ratios: dict[int, list[float]] = {level: [] for level in LEVELS}
+    ratios: dict[int, list[float]] = {level: [] for level in MERIDIANS}
     for s in of:
-        for level in LEVELS:
+        for level in MERIDIANS:
             beside = level // 2 if level > 1 else 2
             changes = [100.0 * abs(v / o - 1.0) for v, o in zip(s.tips_mm[level], s.tips_mm[beside], strict=True)]
             ratios[level].append(_log_error(s, level, limits) - math.log(max(FLOOR_PERCENT, *changes)))
@@ -224,7 +224,7 @@ def fit(samples: Sequence[Sample], limits: dict[str, tuple[float, ...]], cells: 
         kept = _solve([s for s in of if _family(s) != out], limits)
         for s in of:
             if _family(s) == out:
-                misses += [_predict(kept, s, level) - _log_error(s, level, limits) for level in LEVELS]
+                misses += [_predict(kept, s, level) - _log_error(s, level, limits) for level in MERIDIANS]
     constants, slopes, centre = _solve(of, limits)
     ends = {level: np.quantile(found, [TAIL, 1.0 - TAIL]) for level, found in ratios.items()}
     return Fit(
@@ -232,7 +232,7 @@ def fit(samples: Sequence[Sample], limits: dict[str, tuple[float, ...]], cells: 
         slopes=_rounded(slopes),
         centre=_rounded(centre),
         spread=round(float(np.sqrt(np.mean(np.square(misses)))), 3),
-        ratios=_rounded([math.exp(0.5 * float(sum(ends[level]))) for level in LEVELS]),
+        ratios=_rounded([math.exp(0.5 * float(sum(ends[level]))) for level in MERIDIANS]),
     )
 
 
@@ -251,9 +251,9 @@ Solution = tuple[FloatArray, FloatArray, FloatArray]
 
 def _solve(samples: Sequence[Sample], limits: dict[str, tuple[float, ...]]) -> Solution:
     """Constants by level, slopes, and the features' means."""
-    levels = len(LEVELS)
-    rows = [[*(float(level == other) for other in LEVELS), *s.features] for s in samples for level in LEVELS]
-    a, b = np.array(rows), np.array([_log_error(s, level, limits) for s in samples for level in LEVELS])
+    levels = len(MERIDIANS)
+    rows = [[*(float(level == other) for other in MERIDIANS), *s.features] for s in samples for level in MERIDIANS]
+    a, b = np.array(rows), np.array([_log_error(s, level, limits) for s in samples for level in MERIDIANS])
     centre = a[:, levels:].mean(axis=0)
     a[:, levels:] -= centre
     penalty = np.diag([0.0] * levels + [RIDGE] * len(centre))
@@ -264,7 +264,7 @@ def _solve(samples: Sequence[Sample], limits: dict[str, tuple[float, ...]]) -> S
 def _predict(solution: Solution, s: Sample, level: int) -> float:
     """Logarithm of the error."""
     constants, slopes, centre = solution
-    return float(constants[LEVELS.index(level)] + slopes @ (np.array(s.features) - centre))
+    return float(constants[MERIDIANS.index(level)] + slopes @ (np.array(s.features) - centre))
 
 
 def _rounded(numbers: Sequence[float] | np.ndarray) -> tuple[float, ...]:
@@ -288,7 +288,9 @@ def time_laws(rows: Sequence[Row]) -> dict[tuple[str, str], Seconds]:
     return found
 
 
-def check_rows(scenes: Sequence[Scene], samples: Sequence[Sample], limits: dict[str, tuple[float, ...]]) -> list[Row]:
+def check_rows(
+    scenes: Sequence[BellowsScene], samples: Sequence[Sample], limits: dict[str, tuple[float, ...]]
+) -> list[Row]:
     """Predicted, checked (from two levels of the scene itself) and achieved errors, the largest over the pressures.
 
     Times are predicted and achieved without start and imports; ``chosen`` marks the level that the scene's tolerance
@@ -299,7 +301,7 @@ def check_rows(scenes: Sequence[Scene], samples: Sequence[Sample], limits: dict[
     for s in samples:
         scene = in_cells(by_name[s.scene], s.cells)
         choice = choose(scene, "axisymmetric")
-        for level in LEVELS:
+        for level in MERIDIANS:
             name = f"{s.cells} r{level}"
             achieved = max(FLOOR_PERCENT, *s.errors_percent(level, limits[s.scene]))
             beside = s.tips_mm[level // 2 if level > 1 else 2]
@@ -355,7 +357,7 @@ def main(out: Path, cost: Path) -> None:
     """Fit the error model anew and check it on the scenes of scenes/tolerance."""
     comm = MPI.COMM_WORLD
     training = training_scenes()
-    checks = [load_scene(path) for path in sorted(TOLERANCE_SCENES.glob("*.toml"))]
+    checks = [load_bellows(path) for path in sorted(TOLERANCE_SCENES.glob("*.toml"))]
     samples = all_samples([*training, *longer_scenes(training), *checks], out / "runs", comm)
     if comm.rank != 0:
         return

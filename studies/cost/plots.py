@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.ticker import FuncFormatter
 
 from studies.cost.rows import Point, Power, front, told_apart
-from studies.report.style import BESIDE, BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, figure_file
+from studies.report.labels import model_label
+from studies.report.panels import Panel, Series, add_legend, add_panel, draw_panels
+from studies.report.style import BESIDE, BLACK, BLUE, GREEN, GREY, INSIDE, ORANGE, PURPLE, SKY, VERMILION, figure_file
 
 # Of this program by model, of others by their name in turn.
 COLOURS = {"closed_form": ORANGE, "axisymmetric": BLUE, "sector": SKY, "full3d": VERMILION}
-LABELS = {"closed_form": "closed form", "axisymmetric": "axisymmetric", "sector": "quarter in 3D", "full3d": "full 3D"}
-PEER_COLOURS = (GREEN, PURPLE, BLACK, "#777777")
+PEER_COLOURS = (GREEN, PURPLE, BLACK, GREY)
 MARKERS = {"hex": "s", "tet": "^", "tet-p0": "v", "tet-p1": "x", "none": "P"}
 ELEMENTS = {
     "hex": "hexahedra",
@@ -24,6 +26,14 @@ ELEMENTS = {
     "tet-p0": "tetrahedra P2/P0",
     "tet-p1": "tetrahedra P1",
     "none": "no cells",
+}
+# A ring round a point.
+_DEFAULT = {
+    "linestyle": "none",
+    "marker": "o",
+    "markersize": 14,
+    "markerfacecolor": "none",
+    "markeredgecolor": BLACK,
 }
 
 
@@ -45,58 +55,42 @@ def draw_front(path: Path, points: Sequence[Point], whole: bool = False) -> None
         True for the time from start to end of the process, which is all that is known of other programs.
     """
 
-    def time_of(p: Point) -> float:
-        return p.wall_s if whole else p.time_s
+    def of(chosen: Iterable[Point], look: Mapping[str, Any], label: str = "") -> Series:
+        places = [(p.wall_s if whole else p.time_s, told_apart(p)) for p in chosen]
+        return Series([time for time, _ in places], [error for _, error in places], look, label)
 
     shown = [p for p in points if np.isfinite(p.error_percent) and np.isfinite(p.wall_s)]
     models = list(dict.fromkeys(p.model for p in shown))
     peers = [model for model in models if model.startswith("peer_")]
     colours = COLOURS | {model: PEER_COLOURS[k % len(PEER_COLOURS)] for k, model in enumerate(peers)}
+    best = {}
+    series = []
+    for model, colour in ((model, colours[model]) for model in models):
+        mine = [p for p in shown if p.model == model]
+        best[model] = front([replace(p, work_s=math.nan) for p in mine] if whole else mine)
+        label = model.removeprefix("peer_") if model in peers else model_label(model)
+        series.append(of(best[model], {"color": colour, "linewidth": 1.4}, label))
+        for element in dict.fromkeys(p.element for p in mine):
+            look = {"color": colour, "marker": MARKERS.get(element, "D"), "markersize": 6.5, "alpha": 0.8}
+            series.append(of([p for p in mine if p.element == element], {"linestyle": "none", **look}))
+    default = [p for p in shown if p.default]
+    if default:
+        series.append(of(default, _DEFAULT, "settings of study-paper"))
+    for element in dict.fromkeys(p.element for p in shown if not p.is_peer):
+        look = {"color": GREY, "marker": MARKERS[element], "linestyle": "none"}
+        series.append(of([], look, ELEMENTS[element]))
+    x_label = f"wall time, s, {'from start to end of the process' if whole else 'without start and imports'}"
     with figure_file(path, 8.6, 5.0) as figure:
         axes = figure.add_subplot()
-        for model in models:
-            mine = [p for p in shown if p.model == model]
-            line = front([replace(p, work_s=math.nan) for p in mine] if whole else mine)
-            label = LABELS.get(model, model.removeprefix("peer_"))
-            axes.plot(
-                [time_of(p) for p in line],
-                [told_apart(p) for p in line],
-                color=colours[model],
-                linewidth=1.4,
-                label=label,
-            )
-            for p in line:
-                at = (time_of(p), told_apart(p))
-                axes.annotate(short_name(p), at, (4, 5), textcoords="offset points", fontsize=7.5, color=colours[model])
-            for element in dict.fromkeys(p.element for p in mine):
-                of = [p for p in mine if p.element == element]
-                marker = MARKERS.get(element, "D")
-                look = {"color": colours[model], "marker": marker, "linestyle": "none", "markersize": 6.5}
-                axes.plot([time_of(p) for p in of], [told_apart(p) for p in of], alpha=0.8, **look)  # type: ignore[arg-type]
-        default = [p for p in shown if p.default]
-        if default:
-            ring = {"marker": "o", "markersize": 14, "markerfacecolor": "none", "markeredgecolor": BLACK}
-            axes.plot(
-                [time_of(p) for p in default],
-                [told_apart(p) for p in default],
-                linestyle="none",
-                label="settings of study-paper",
-                **ring,  # type: ignore[arg-type]
-            )
-        for element in dict.fromkeys(p.element for p in shown if not p.is_peer):
-            axes.plot([], [], color="#777777", marker=MARKERS[element], linestyle="none", label=ELEMENTS[element])
-        axes.set_xscale("log")
-        axes.set_yscale("log")
+        add_panel(axes, Panel(series, x_label, "error, %", logarithmic="xy"))
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axes.set_xlabel(
-            "wall time, s, " + ("from start to end of the process" if whole else "without start and imports")
-        )
-        axes.set_ylabel("error, %")
-        axes.grid(which="both", color="#ececec")
-        axes.set_axisbelow(True)
-        if shown:
-            axes.legend(**BESIDE)
+        for model, line in best.items():
+            places = of(line, {})
+            for p, *at in zip(line, places.x, places.y, strict=True):
+                look = {"textcoords": "offset points", "fontsize": 7.5, "color": colours[model]}
+                axes.annotate(short_name(p), at, (4, 5), **look)
+        add_legend(figure, BESIDE)
 
 
 def draw_growth(path: Path, unknowns: Sequence[float], curves: Sequence[tuple[str, Sequence[float], Power]]) -> None:
@@ -111,18 +105,11 @@ def draw_growth(path: Path, unknowns: Sequence[float], curves: Sequence[tuple[st
     curves
         Label, values and power law of each, side by side.
     """
-    with figure_file(path, 8.6, 3.8) as figure:
-        panels = np.atleast_1d(figure.subplots(1, len(curves)))
-        ends = np.array([min(unknowns), max(unknowns)])
-        for axes, (label, values, law), colour in zip(panels, curves, (VERMILION, BLUE, GREEN), strict=False):
-            axes.plot(unknowns, values, color=colour, marker="s", linestyle="none")
-            axes.plot(
-                ends, [law.at(x) for x in ends], color=colour, linewidth=1.2, label=f"exponent {law.exponent:.2f}"
-            )
-            axes.set_xscale("log")
-            axes.set_yscale("log")
-            axes.set_xlabel("unknowns")
-            axes.set_ylabel(label)
-            axes.grid(which="both", color="#ececec")
-            axes.set_axisbelow(True)
-            axes.legend(frameon=False)
+    ends = np.array([min(unknowns), max(unknowns)])
+    panels = []
+    for (label, values, law), colour in zip(curves, (VERMILION, BLUE, GREEN), strict=False):
+        measured = Series(unknowns, values, {"color": colour, "marker": "s", "linestyle": "none"})
+        fitted = [law.at(x) for x in ends]
+        line = Series(ends, fitted, {"color": colour, "linewidth": 1.2}, f"exponent {law.exponent:.2f}")
+        panels.append(Panel([measured, line], "unknowns", label, logarithmic="xy"))
+    draw_panels(path, [panels], (8.6, 3.8), INSIDE)

@@ -10,11 +10,11 @@ import numpy as np
 
 from studies.cost.cells import QUIET, TUBE, Cell, Measurement, cell_scene, is_default
 from studies.planning.levels import fineness, ranking
-from studies.results.compare import MERIDIAN_ORDER
 from studies.results.exact_answers import exact_bore_mm
 from studies.results.rows import REACHED, Row, row
+from studies.results.runs import MERIDIAN_ORDER
 from studies.results.uncertainty import convergence
-from studies.scene.bodies import ExactScene
+from studies.scene.bodies import BodyScene
 
 VALUES = ("tip_mm", "bore_mm")
 COSTS = {"wall_s": "s", "work_s": "s", "cpu_s": "s", "peak_mb": "MB", "unknowns": "1", "factorisations": "1"}
@@ -40,7 +40,7 @@ def reference_of(body: str, measured: Mapping[Cell, Measurement]) -> Reference:
     if some is None:
         return Reference(math.nan, math.nan, "")
     scene = cell_scene(some)
-    if isinstance(scene, ExactScene):
+    if isinstance(scene, BodyScene):
         value, source = exact_bore_mm(scene, scene.loads_kpa[-1])
         return Reference(value, 0.0, source)
     finest = max((fineness(c.level) for c in cells), default=0)

@@ -21,10 +21,11 @@ from solvers.paths.records import PathSettings
 from solvers.paths.warm_start import follow_guesses
 from solvers.problem import Problem
 from solvers.state import State
-from studies.models.build import revolve_state, scene_body, scene_meridian, scene_problem
+from studies.models.build import revolve_state, scene_problem
 from studies.results import provenance
 from studies.results.rows import Row, row, write_rows
-from studies.scene.bellows import Scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.meshes import scene_body, scene_meridian
 
 # Of the 2 mm actuator in hexahedra: about 150,000 unknowns.
 AROUND: Final = 16
@@ -87,7 +88,7 @@ class Starts:
     difference_mm: float
 
 
-def axisymmetric_states(scene: Scene) -> list[State]:
+def axisymmetric_states(scene: BellowsScene) -> list[State]:
     """States of the axisymmetric path on the coarsest level at the requested pressures; rank 0 solves."""
     found: list[State] | None = None
     if MPI.COMM_WORLD.rank == 0:
@@ -100,7 +101,7 @@ def axisymmetric_states(scene: Scene) -> list[State]:
     return states
 
 
-def _body(scene: Scene, around: int) -> tuple[Problem, list[State]]:
+def _body(scene: BellowsScene, around: int) -> tuple[Problem, list[State]]:
     comm = MPI.COMM_WORLD
     meridian = scene_meridian(scene, 1)
     body = scene_body(meridian, "full3d", around)
@@ -108,7 +109,7 @@ def _body(scene: Scene, around: int) -> tuple[Problem, list[State]]:
     return scene_problem(scene, body if comm.rank == 0 else None, comm), guesses
 
 
-def measure_costs(scene: Scene, around: int = AROUND) -> Costs:
+def measure_costs(scene: BellowsScene, around: int = AROUND) -> Costs:
     """Costs of one iteration at the second requested pressure of a scene."""
     problem, guesses = _body(scene, around)
     factor = Factor(problem)
@@ -151,7 +152,7 @@ def solve_equilibrium_at(problem: Problem, factor: Factor, guess: State) -> None
     solve_equilibrium(problem, factor, NewtonSettings(), HeldLoad(guess.load_mpa))
 
 
-def measure_starts(scene: Scene, around: int = AROUND_PATH) -> Starts:
+def measure_starts(scene: BellowsScene, around: int = AROUND_PATH) -> Starts:
     """The path of the full body from the axisymmetric states and from zero."""
     begin = time.perf_counter()
     problem, guesses = _body(scene, around)
@@ -166,7 +167,7 @@ def measure_starts(scene: Scene, around: int = AROUND_PATH) -> Starts:
     return Starts(warm_s, cold_s, warm_count, cold_count, float(np.abs(last[0] - last[1]).max()))
 
 
-def run(scene: Scene, folder: Path) -> list[str]:
+def run(scene: BellowsScene, folder: Path) -> list[str]:
     """Measure, write rows.csv on rank 0, and return the lines to print."""
     comm = MPI.COMM_WORLD
     threads = provenance.blas_threads()
@@ -191,7 +192,7 @@ def run(scene: Scene, folder: Path) -> list[str]:
     ]
 
 
-def _rows(scene: Scene, costs: Costs, starts: Starts, cores: int) -> list[Row]:
+def _rows(scene: BellowsScene, costs: Costs, starts: Starts, cores: int) -> list[Row]:
     values = {
         "unknowns": (float(costs.unknowns), "1"),
         "tangent": (costs.tangent_s, "s"),

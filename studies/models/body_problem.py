@@ -21,10 +21,9 @@ from meshes.bodies import (
     ventricle_meridian,
 )
 from meshes.cells import CellKind
-from meshes.revolve import revolve
 from meshes.solid import FACETS, FloatArray, SolidMesh
 from meshes.surface import surface_weights
-from meshes.sweep import FULL_CIRCLE, revolve_hexahedra
+from meshes.sweep import revolve_hexahedra
 from meshes.user_mesh import read_user_mesh
 from solvers.assembly.surfaces import SOFT, Surfaces
 from solvers.bodies.rigid import RigidBodies
@@ -32,10 +31,9 @@ from solvers.discrete.domain import create_domain
 from solvers.problem import Problem
 from solvers.state import State
 from studies.models.build import element_of
-from studies.planning.body_plan import cells_of
+from studies.planning.bodies import cells_of
 from studies.planning.levels import fineness
-from studies.scene.bellows import inverse_kappa, law_of
-from studies.scene.bodies import ExactScene
+from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import (
     BlockGeometry,
     CookGeometry,
@@ -46,6 +44,8 @@ from studies.scene.body_geometry import (
     TubeGeometry,
     VentricleGeometry,
 )
+from studies.scene.materials import inverse_kappa, law_of
+from studies.scene.meshes import revolved
 
 Held = tuple[tuple[int, int], ...]
 # Cells of a bonded tube are half a wall long; a longer tube is uniform away from its ends.
@@ -85,63 +85,50 @@ class Body:
     twisted: bool = False
 
 
-def body_of(scene: ExactScene, model: str, level: str) -> Body:
+def body_of(scene: BodyScene, model: str, level: str) -> Body:
     """The mesh of a scene on a level, with its supports and its load."""
     g, fine = scene.geometry, fineness(level)
+    cells: CellKind = "quadrilaterals" if cells_of(scene, model) == "hexahedra" else "triangles"
     if isinstance(g, TubeGeometry):
-        return _tube(g, model, fine, cells_of(scene, model))
+        return _tube(g, model, fine, cells)
     if isinstance(g, SphereGeometry):
-        return _sphere(g, model, fine, cells_of(scene, model))
+        return _sphere(g, model, fine, cells)
     if isinstance(g, RingGeometry):
         return _ring(g, fine, scene.load_kind == "dead")
     if isinstance(g, BlockGeometry):
         return _block(g, fine)
     if isinstance(g, CylinderGeometry):
-        return _cylinder(g, fine, cells_of(scene, model))
+        return _cylinder(g, fine, cells)
     if isinstance(g, CookGeometry):
         return _cook(fine)
     if isinstance(g, VentricleGeometry):
-        return _ventricle(g, model, fine, cells_of(scene, model))
+        return _ventricle(g, model, fine, cells)
     return _user(g)
 
 
-def problem_of(scene: ExactScene, body: Body, comm: MPI.Comm) -> Problem:
+def problem_of(scene: BodyScene, body: Body, comm: MPI.Comm) -> Problem:
     """The boundary value problem; every rank calls with the same body."""
     mesh = body.mesh
     domain = create_domain(
         comm, dataclasses.replace(mesh, regions=np.full(len(mesh.cells), SOFT)) if comm.rank == 0 else None
     )
-    cap = None
-    if body.capped:
-        top = float(mesh.points[:, -1].max())
-        inner = float(np.hypot(mesh.points[:, 0], mesh.points[:, 1] * (mesh.dimension == 3)).min())
-        # The cap keeps level and lets the tube's end slide on it, so that the tube stays one.
-        cap = RigidBodies(
-            normal_mpa_per_mm=CAP_MPA_PER_MM,
-            tangential_mpa_per_mm=0.0,
-            grade=np.ones(len(mesh.points)),
-            centres_mm=np.array([top]),
-            arm_mm=1.0,
-            axial_only=True,
-            plate=0,
-            plate_area_mm2=math.pi * inner**2,
-        )
-    if body.twisted:
-        cap = RigidBodies(
-            normal_mpa_per_mm=TWIST_MPA_PER_MM,
-            tangential_mpa_per_mm=TWIST_MPA_PER_MM,
-            grade=np.ones(len(mesh.points)),
-            centres_mm=np.array([float(mesh.points[:, -1].max())]),
-            arm_mm=1.0,
-            plate=0,
-            plate_held=True,
-        )
-    law = law_of(scene.material)
-    element = element_of(scene.mesh)
+    cap = _plate(body) if body.capped or body.twisted else None
+    law, element = law_of(scene.material), element_of(scene.mesh)
     return Problem(domain, law, inverse_kappa(scene.material), body.surfaces, None, cap, element, frame=body.frame)
 
 
-def measures(scene: ExactScene, mesh: SolidMesh) -> dict[str, Callable[[State], float]]:
+def _plate(body: Body) -> RigidBodies:
+    """The plate that twists a cylinder, or a tube's cap: level, and the end slides on it so that the tube stays one."""
+    points = body.mesh.points
+    grade, centre = np.ones(len(points)), np.array([float(points[:, -1].max())])
+    if body.twisted:
+        return RigidBodies(TWIST_MPA_PER_MM, TWIST_MPA_PER_MM, grade, centre, 1.0, plate=0, plate_held=True)
+    inner = float(np.hypot(points[:, 0], points[:, 1] * (body.mesh.dimension == 3)).min())
+    area = math.pi * inner**2
+    return RigidBodies(CAP_MPA_PER_MM, 0.0, grade, centre, 1.0, axial_only=True, plate=0, plate_area_mm2=area)
+
+
+def measures(scene: BodyScene, mesh: SolidMesh) -> dict[str, Callable[[State], float]]:
     """What is read off a state, by quantity, mm."""
     if isinstance(scene.geometry, BlockGeometry | CylinderGeometry):
         return {}  # a cube stays as it is; what is known of a cylinder are forces
@@ -179,7 +166,7 @@ def _largest(state: State) -> float:
     return float(np.linalg.norm(state.displacement_mm, axis=1).max())
 
 
-def enclosed_mm3(scene: ExactScene, load_volume_mm3: float) -> float:
+def enclosed_mm3(scene: BodyScene, load_volume_mm3: float) -> float:
     """Volume inside a body from that on which its load does work; a dead load's is what it is."""
     return -load_volume_mm3 if scene.load_kind == "external" else load_volume_mm3
 
@@ -187,7 +174,7 @@ def enclosed_mm3(scene: ExactScene, load_volume_mm3: float) -> float:
 # --- bodies -------------------------------------------------------------------------------------------------
 
 
-def _tube(g: TubeGeometry, model: str, fine: int, cells: str) -> Body:
+def _tube(g: TubeGeometry, model: str, fine: int, cells: CellKind) -> Body:
     refine = fine if model == "axisymmetric" else 1
     through = 2 * fine if model == "axisymmetric" else max(2, fine // 4)
     along = through // 2
@@ -195,15 +182,13 @@ def _tube(g: TubeGeometry, model: str, fine: int, cells: str) -> Body:
         wall = g.outer_radius_mm - g.inner_radius_mm
         along = min(math.ceil(2.0 * g.length_mm / wall), LONGEST_ROW) * refine
         along = max(2, along if model == "axisymmetric" else along * fine // 12)
-    kind: CellKind = "quadrilaterals" if cells == "hexahedra" else "triangles"
-    meridian = tube_meridian(g.inner_radius_mm, g.outer_radius_mm, g.length_mm, along, through, kind)
+    meridian = tube_meridian(g.inner_radius_mm, g.outer_radius_mm, g.length_mm, along, through, cells)
     return _swept(meridian, model, fine, g.ends)
 
 
-def _sphere(g: SphereGeometry, model: str, fine: int, cells: str) -> Body:
-    kind: CellKind = "quadrilaterals" if cells == "hexahedra" else "triangles"
+def _sphere(g: SphereGeometry, model: str, fine: int, cells: CellKind) -> Body:
     along, through = (6 * fine, 2 * fine) if model == "axisymmetric" else (max(6, fine // 2), max(2, fine // 4))
-    meridian = sphere_meridian(g.inner_radius_mm, g.outer_radius_mm, along, through, kind)
+    meridian = sphere_meridian(g.inner_radius_mm, g.outer_radius_mm, along, through, cells)
     body = _swept(meridian, model, fine, "symmetric")
     return dataclasses.replace(body, parts=2 * body.parts)
 
@@ -216,11 +201,10 @@ def _swept(meridian: SolidMesh, model: str, fine: int, ends: str) -> Body:
     if model == "axisymmetric":
         held.append((FACETS["axis"], 0))
     elif model == "sector":
-        mesh, parts = revolve_hexahedra(meridian, fine // 4, FULL_CIRCLE / 4), 4
+        mesh, parts = revolved(meridian, fine, 4), 4
         held += [(FACETS["start"], 1), (FACETS["end"], 0)]
     else:
-        box = meridian.cell.name == "quadrilateral"
-        mesh = revolve_hexahedra(meridian, fine) if box else revolve(meridian, fine)
+        mesh = revolved(meridian, fine)
         if ends != "bonded":
             pinned = _three_pins(mesh)
     axial, cavity = mesh.dimension - 1, FACETS["cavity"]
@@ -266,11 +250,10 @@ def _block(g: BlockGeometry, fine: int) -> Body:
     return Body(mesh, Surfaces(dead=FACETS["outer"], pinned=tuple((corner, i) for i in range(3))))
 
 
-def _cylinder(g: CylinderGeometry, fine: int, cells: str) -> Body:
-    kind: CellKind = "quadrilaterals" if cells == "hexahedra" else "triangles"
+def _cylinder(g: CylinderGeometry, fine: int, cells: CellKind) -> Body:
     along = max(1, round(g.length_mm / g.radius_mm * fine / 4))
-    meridian = cylinder_meridian(g.radius_mm, g.length_mm, fine // 2, along, kind)
-    mesh = revolve_hexahedra(meridian, fine) if cells == "hexahedra" else revolve(meridian, fine)
+    meridian = cylinder_meridian(g.radius_mm, g.length_mm, fine // 2, along, cells)
+    mesh = revolved(meridian, fine)
     on_top = mesh.facet_tags == FACETS["top"]
     mesh = dataclasses.replace(mesh, facet_bodies=np.where(on_top, 0, -1))
     # without pressure: the loaded surface only says what residuals are measured by
@@ -283,19 +266,18 @@ def _cook(fine: int) -> Body:
     return Body(cook_membrane(fine), Surfaces(dead_shear=FACETS["tip"], clamped=FACETS["clamped"], held=held))
 
 
-def _ventricle(g: VentricleGeometry, model: str, fine: int, cells: str) -> Body:
-    kind: CellKind = "quadrilaterals" if cells == "hexahedra" else "triangles"
+def _ventricle(g: VentricleGeometry, model: str, fine: int, cells: CellKind) -> Body:
     along, through = (8 * fine, 2 * fine) if model == "axisymmetric" else (fine, max(2, fine // 8))
     inner, outer = (g.inner_across_mm, g.inner_along_mm), (g.outer_across_mm, g.outer_along_mm)
-    meridian = ventricle_meridian(inner, outer, g.base_mm, along, through, kind)
+    meridian = ventricle_meridian(inner, outer, g.base_mm, along, through, cells)
     clamped, cavity = FACETS["clamped"], FACETS["cavity"]
     if model == "axisymmetric":
         return Body(meridian, Surfaces(cavity=cavity, clamped=clamped, held=((FACETS["axis"], 0),)))
     if model == "sector":
-        mesh = revolve_hexahedra(meridian, fine // 4, FULL_CIRCLE / 4)
+        mesh = revolved(meridian, fine, 4)
         held = ((FACETS["start"], 1), (FACETS["end"], 0))
         return Body(mesh, Surfaces(cavity=cavity, clamped=clamped, held=held), parts=4)
-    mesh = revolve_hexahedra(meridian, fine) if cells == "hexahedra" else revolve(meridian, fine)
+    mesh = revolved(meridian, fine)
     return Body(mesh, Surfaces(cavity=cavity, clamped=clamped))
 
 

@@ -5,19 +5,16 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from mpi4py import MPI
 
 from analytical.laws.silicones import SILICONE_DENSITY_G_CM3
-from meshes.cells import CellKind
-from meshes.eccentric import shift_core
-from meshes.errors import GeometryError
-from meshes.meridian import default_resolution, meridian_mesh
 from meshes.quality import region_volumes_mm3
-from meshes.revolve import revolve, revolve_scalar, revolve_vector
+from meshes.revolve import revolve_scalar, revolve_vector
 from meshes.solid import FACETS, REGIONS, SolidMesh
-from meshes.sweep import FULL_CIRCLE, revolve_hexahedra
+from meshes.surface import surface_weights
 from solvers.assembly.surfaces import SOFT, STIFF, Surfaces
 from solvers.bodies.rigid import RigidBodies
 from solvers.discrete.domain import create_domain
@@ -26,17 +23,15 @@ from solvers.problem import Problem
 from solvers.state import State, pressure_at_corners
 from studies.scene.bellows import (
     RIGID_BOND_MPA_PER_MM,
-    Mesh,
-    Scene,
+    BellowsScene,
     bond_grade,
     bond_stiffness,
-    in_hexahedra,
-    inverse_kappa,
-    law_of,
     ring_material,
-    ring_shape,
     shape_of,
 )
+from studies.scene.elements import Mesh
+from studies.scene.materials import inverse_kappa, law_of
+from studies.scene.meshes import SECTORS
 
 
 def element_of(mesh: Mesh) -> Element | None:
@@ -44,41 +39,7 @@ def element_of(mesh: Mesh) -> Element | None:
     return {"tet-p0": P2_P0, "tet-p1": P1_P0}.get(mesh.element)
 
 
-def scene_meridian(scene: Scene, refinement: int) -> SolidMesh:
-    """The meridian mesh of a scene at a refinement."""
-    shape = shape_of(scene)
-    ring = ring_shape(scene) if scene.rings.model == "meshed" else None
-    cells: CellKind = "quadrilaterals" if in_hexahedra(scene) else "triangles"
-    return meridian_mesh(shape, default_resolution(shape, refinement, cells), ring, cells)
-
-
-# Sectors of one: the quarter, whose faces are the planes x = 0 and y = 0, held by components.
-SECTORS = {"full3d": 1, "sector": 4}
-
-
-def scene_body(meridian: SolidMesh, model: str, around: int, core_shift_mm: float = 0.0) -> SolidMesh:
-    """The body, or the sector of it, made from a meridian; ``around`` counts the cells in the whole circle.
-
-    Raises
-    ------
-    GeometryError
-        If the cells do not share out to the sector, or the core is shifted in one.
-    """
-    parts = SECTORS[model]
-    if core_shift_mm:
-        if parts > 1:
-            raise GeometryError("a sector of a body whose core is off the axis: take full3d")
-        return shift_core(scene_body(meridian, model, around), meridian, core_shift_mm)
-    if meridian.cell.name == "quadrilateral":
-        if around % parts:
-            raise GeometryError(f"cells round the circumference = {around}: must be a multiple of {parts} in a sector")
-        return revolve_hexahedra(meridian, around // parts, FULL_CIRCLE / parts)
-    if parts > 1:
-        raise GeometryError('a sector is meshed in hexahedra: set mesh.element = "hex" or "auto", and rigid rings')
-    return revolve(meridian, around)
-
-
-def scene_problem(scene: Scene, mesh: SolidMesh | None, comm: MPI.Comm) -> Problem:
+def scene_problem(scene: BellowsScene, mesh: SolidMesh | None, comm: MPI.Comm) -> Problem:
     """The boundary value problem of a scene on a mesh that rank 0 holds; every rank calls."""
     material_numbers = None
     if mesh is not None:
@@ -128,7 +89,7 @@ def scene_problem(scene: Scene, mesh: SolidMesh | None, comm: MPI.Comm) -> Probl
     return Problem(domain, law, inverse_kappa(scene.material), surfaces, stiff, bodies, element_of(scene.mesh))
 
 
-def _ring_count(scene: Scene) -> int:
+def _ring_count(scene: BellowsScene) -> int:
     """Number of rigid rings."""
     return scene.geometry.convolutions + 1 if scene.rings.model == "rigid" else 0
 
@@ -180,7 +141,7 @@ def revolve_state(state: State, meridian: SolidMesh, body: SolidMesh) -> State:
 class Tip:
     """Mean axial displacement of the distal rim, weighted by its undeformed area, or the motion of a rigid plate."""
 
-    def __init__(self, scene: Scene, mesh: SolidMesh) -> None:
+    def __init__(self, scene: BellowsScene, mesh: SolidMesh) -> None:
         self._plate = scene.geometry.tip == "rigid"
         facets = mesh.facets[mesh.facet_tags == FACETS["tip"]]
         ends = mesh.points[facets]
@@ -208,7 +169,38 @@ class Tip:
         return float(state.displacement_mm[self._centre, -1])
 
 
-def masses_g(scene: Scene, meridian: SolidMesh) -> tuple[float, float]:
+@dataclass(frozen=True)
+class TipPose:
+    """The rim of the distal face in a state, as a whole.
+
+    Attributes
+    ----------
+    sideways_mm, across_mm
+        Mean displacement along x and along y.
+    bend_deg, bend_across_deg
+        Angles by which the rim's plane faces x and y instead of the axis.
+    """
+
+    sideways_mm: float
+    across_mm: float
+    bend_deg: float
+    bend_across_deg: float
+
+
+def tip_pose(mesh: SolidMesh, state: State) -> TipPose:
+    """Measure the rim of a whole body, weighted by the undeformed area; its plane is that of least squares."""
+    weights = surface_weights(mesh, "tip")
+    share = weights / weights.sum()
+    moved = share @ state.displacement_mm
+    here = mesh.points + state.displacement_mm
+    away = (here - share @ here) * np.sqrt(np.abs(share))[:, None]
+    normal = np.linalg.svd(away, full_matrices=False)[2][-1]
+    normal = normal * math.copysign(1.0, normal[2])
+    angles = [math.degrees(math.atan2(normal[k], normal[2])) for k in (0, 1)]
+    return TipPose(float(moved[0]), float(moved[1]), angles[0], angles[1])
+
+
+def masses_g(scene: BellowsScene, meridian: SolidMesh) -> tuple[float, float]:
     """Mass of silicone and rings, g; rings that are not meshed count with their section."""
     volumes = region_volumes_mm3(meridian)
     silicone = (volumes["elastomer"] + volumes["cap"]) * 1e-3 * SILICONE_DENSITY_G_CM3

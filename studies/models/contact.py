@@ -6,8 +6,6 @@ anew with contact from the last open one.
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -24,8 +22,10 @@ from solvers.paths.records import PathState
 from solvers.problem import Problem
 from solvers.state import State
 from studies.models.gaps import GapMeter, Touch
-from studies.results.files import PathRow, write_text_atomically
-from studies.scene.bellows import Scene, law_of, shape_of
+from studies.results.files import PathRow
+from studies.results.records import read_lines, write_lines
+from studies.scene.bellows import BellowsScene, shape_of
+from studies.scene.materials import law_of
 
 CONTACT_FILE = "contact.csv"
 # Begins the note on where contact was switched on.
@@ -45,19 +45,19 @@ SEAT_EDGE_MM = 0.05
 FADE_MM = 0.5
 
 
-def contact_settings(scene: Scene, stiffness: float = STIFFNESS) -> ContactSettings:
+def contact_settings(scene: BellowsScene, stiffness: float = STIFFNESS) -> ContactSettings:
     """The penalty of a scene; ``stiffness`` in initial shear moduli per wall."""
     wall = scene.geometry.wall_mm
     modulus = law_of(scene.material).initial_shear_modulus_mpa
     return ContactSettings(stiffness * modulus / wall, SMOOTHING * wall, DEPTH * wall, REACH * wall, LIMIT * wall)
 
 
-def may_touch(scene: Scene, row: PathRow) -> bool:
+def may_touch(scene: BellowsScene, row: PathRow) -> bool:
     """True if surfaces of a state are so near that contact may press, or if its gap is not known."""
     return not row.min_gap_mm > LIMIT * scene.geometry.wall_mm
 
 
-def scene_contact(scene: Scene, mesh: SolidMesh, problem: Problem, stiffness: float = STIFFNESS) -> Contact:
+def scene_contact(scene: BellowsScene, mesh: SolidMesh, problem: Problem, stiffness: float = STIFFNESS) -> Contact:
     """Contact of a scene's meridian: folds inside and outside, wall and rings, rings.
 
     Raises
@@ -79,7 +79,7 @@ def scene_contact(scene: Scene, mesh: SolidMesh, problem: Problem, stiffness: fl
     )
 
 
-def _ring_pairs(scene: Scene, at: FloatArray) -> list[Against | Facing | Stop]:
+def _ring_pairs(scene: BellowsScene, at: FloatArray) -> list[Against | Facing | Stop]:
     """The outside against every ring, and neighbouring rings; ``at`` are the outside's Gauss points."""
     shape, rings = shape_of(scene), scene.rings
     low, high = shape.seat_radius_mm, shape.seat_radius_mm + rings.height_mm
@@ -105,7 +105,7 @@ class ContactWatch:
         Where ``contact.csv`` is written.
     """
 
-    def __init__(self, scene: Scene, mesh: SolidMesh, problem: Problem, folder: Path) -> None:
+    def __init__(self, scene: BellowsScene, mesh: SolidMesh, problem: Problem, folder: Path) -> None:
         self._scene, self._mesh, self._problem, self._folder = scene, mesh, problem, folder
         self._meter = GapMeter(scene, mesh)
         self._contact: Contact | None = None
@@ -172,16 +172,10 @@ def write_reports(path: Path, pressure_kpa: float, reports: tuple[PairReport, ..
     key = f"{pressure_kpa:.6g}"
     rows = [row for row in read_reports(path) if row["pressure_kpa"] != key]
     rows += [{"pressure_kpa": key, **{k: str(v) for k, v in asdict(report).items()}} for report in reports]
-    out = io.StringIO()
-    writer = csv.DictWriter(out, ["pressure_kpa", "what", "gap_mm", "force_n", "places"], lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    write_text_atomically(path, out.getvalue())
+    header = ["pressure_kpa", "what", "gap_mm", "force_n", "places"]
+    write_lines(path, header, ([row[name] for name in header] for row in rows))
 
 
 def read_reports(path: Path) -> list[dict[str, str]]:
     """Rows of such a table; none if it is not there."""
-    if not path.exists():
-        return []
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+    return read_lines(path) if path.exists() else []

@@ -7,8 +7,6 @@ that was killed goes on.
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 import time
@@ -26,15 +24,17 @@ from analytical.bellows.chains import closed_form
 from analytical.bellows.dimensions import BellowsError
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
-from studies.models.run_log import Run, finished_run
 from studies.models.session import run_plan
-from studies.planning.plan import make_plan
+from studies.planning.planner import make_plan
 from studies.progress import Progress
 from studies.results import provenance
-from studies.results.compare import main_quantity, scene_rows
+from studies.results.bellows_rows import bellows_rows
 from studies.results.files import write_text_atomically
+from studies.results.records import field_text, field_value, read_lines, write_lines
 from studies.results.rows import REACHED, Row, difference_percent
-from studies.scene.bellows import Scene, dimensions_of, law_of
+from studies.results.runs import Run, finished_run
+from studies.scene.bellows import BellowsScene, dimensions_of
+from studies.scene.materials import law_of
 from studies.scene.sections import SceneError
 from studies.scene.sweep import Variant, read_sweep
 
@@ -248,7 +248,7 @@ def _answer(variant: Variant, folder: Path) -> _Answer:
         )
     except (GeometryError, MeshError, SolverError, BellowsError) as error:
         reason = FAILED + " ".join(str(error).split())
-        return _Answer(_rows(variant, scene, scene_rows(scene, ()), None, reason), 0.0)
+        return _Answer(_rows(variant, scene, bellows_rows(scene, ()), None, reason), 0.0)
     # As the files have them, so that the table is the same to the last digit when nothing is left to solve.
     kept = [
         finished_run(folder / variant.name / f"axisymmetric-{run.summary.level}", run.summary.content_hash)
@@ -256,7 +256,7 @@ def _answer(variant: Variant, folder: Path) -> _Answer:
     ]
     runs = [run for run in kept if run is not None]
     seconds = sum(run.summary.time_s["total"] for run in runs)
-    return _Answer(_rows(variant, scene, scene_rows(scene, runs), runs[-1]), seconds)
+    return _Answer(_rows(variant, scene, bellows_rows(scene, runs), runs[-1]), seconds)
 
 
 # --- the table ------------------------------------------------------------------------------
@@ -267,10 +267,10 @@ def _refused_rows(variant: Variant) -> tuple[SweepRow, ...]:
 
 
 def _rows(
-    variant: Variant, scene: Scene, rows: Sequence[Row], answer: Run | None, status: str = ""
+    variant: Variant, scene: BellowsScene, rows: Sequence[Row], answer: Run | None, status: str = ""
 ) -> tuple[SweepRow, ...]:
     """A scene's rows of the table, a row per requested pressure, from its comparison rows."""
-    quantity = main_quantity(scene)
+    quantity = scene.main_quantity
     level = "" if answer is None else answer.summary.level
     found = []
     for pressure in scene.load.pressure_kpa:
@@ -302,7 +302,7 @@ def _rows(
     return tuple(found)
 
 
-def _unfolding_kpa(scene: Scene) -> float:
+def _unfolding_kpa(scene: BellowsScene) -> float:
     try:
         path = closed_form(dimensions_of(scene), law_of(scene.material), scene.load.pressure_kpa)
     except BellowsError:
@@ -321,26 +321,22 @@ _PLAIN = [f for f in fields(SweepRow) if f.name not in ("scene", "values")]
 
 def write_table(path: Path, rows: Sequence[SweepRow]) -> None:
     """Write sweep.csv: the scene, the swept keys, then the fields of `SweepRow`; numbers with nine digits."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(["scene", *rows[0].values, *(f.name for f in _PLAIN)])
-    for row in rows:
-        plain = [getattr(row, f.name) for f in _PLAIN]
-        writer.writerow([row.scene, *map(value_text, row.values.values()), *map(_field_text, plain)])
-    write_text_atomically(path, stream.getvalue())
+    header = ["scene", *rows[0].values, *(f.name for f in _PLAIN)]
+    lines = (
+        [row.scene, *map(value_text, row.values.values()), *(field_text(getattr(row, f.name), 9) for f in _PLAIN)]
+        for row in rows
+    )
+    write_lines(path, header, lines)
 
 
 def read_table(path: Path) -> list[SweepRow]:
     """Read what `write_table` has written."""
-    plain = {f.name: str(f.type) for f in _PLAIN}
+    plain = {f.name: f.type for f in _PLAIN}
     found = []
-    with path.open(newline="", encoding="utf-8") as stream:
-        for entry in csv.DictReader(stream):
-            values = {k: _value(v) for k, v in entry.items() if k not in plain and k != "scene"}
-            known: dict[str, Any] = {
-                k: (float(v) if v else math.nan) if plain[k] == "float" else v for k, v in entry.items() if k in plain
-            }
-            found.append(SweepRow(entry["scene"], values, **known))
+    for entry in read_lines(path):
+        values = {k: _value(v) for k, v in entry.items() if k not in plain and k != "scene"}
+        known = {k: field_value(plain[k], v) for k, v in entry.items() if k in plain}
+        found.append(SweepRow(entry["scene"], values, **known))
     return found
 
 
@@ -356,9 +352,3 @@ def _value(text: str) -> Any:
         return json.loads(text) if text else None
     except ValueError:
         return text
-
-
-def _field_text(value: float | str) -> str:
-    if isinstance(value, str):
-        return value
-    return "" if math.isnan(value) else f"{value:.9g}"

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from meshes.gaps import NO_GAP, Gap, Outline, outlines, ring_section, smallest_gap, smallest_gap_to_ring
 from meshes.solid import FloatArray, IntArray, SolidMesh
 from solvers.state import State
-from studies.scene.bellows import Scene, shape_of
+from studies.scene.bellows import BellowsScene, shape_of
 
 # Two walls that have gone into each other by more than this part of the wall are not seen as touching any more.
 _DEPTH = 0.4
@@ -46,7 +46,7 @@ class GapMeter:
         A body swept from it; None measures states of the meridian itself.
     """
 
-    def __init__(self, scene: Scene, meridian: SolidMesh, body: SolidMesh | None = None) -> None:
+    def __init__(self, scene: BellowsScene, meridian: SolidMesh, body: SolidMesh | None = None) -> None:
         self._shape, self._scene = shape_of(scene), scene
         self.modelled = False  # contact beyond first touch
         self._points = meridian.points if body is None else body.points

@@ -29,12 +29,12 @@ from solvers.problem import Problem
 from solvers.stability.harmonics import Shape
 from solvers.stability.modes import WAVES, ModeCounter, ModeCrossing, mode_crossings
 from solvers.state import State
-from studies.models.build import Tip, scene_meridian, scene_problem
+from studies.models.build import Tip, scene_problem
 from studies.models.contact import MODELLED, may_touch
-from studies.models.run_log import Run
-from studies.results.files import PathRow, write_path, write_summary, write_text_atomically
-from studies.results.states import load_state
-from studies.scene.bellows import Scene
+from studies.results.files import PathRow, load_state, write_path, write_summary, write_text_atomically
+from studies.results.runs import Run
+from studies.scene.bellows import BellowsScene
+from studies.scene.meshes import scene_meridian
 
 MODES_FILE = "modes.json"
 # Meridian refinements that are counted: crossings on r1 and r2 differ by 0.3 % at most, and a state on r4 takes four
@@ -96,7 +96,7 @@ def read_shape(folder: Path, waves: int) -> tuple[State, Shape]:
         return state, Shape(waves, data["amplitude_mm"], data["mode_bodies_mm"])
 
 
-def with_modes(scene: Scene, refinement: int, folder: Path, run: Run) -> Run:
+def with_modes(scene: BellowsScene, refinement: int, folder: Path, run: Run) -> Run:
     """An actuator's axisymmetric run with its counts; they are made if they are not there.
 
     Parameters
@@ -131,8 +131,8 @@ def is_counted(folder: Path, run: Run) -> bool:
         known, counted = record["content_hash"], record["counted_kpa"]
     except (OSError, ValueError, KeyError):
         return False
-    asked = [row for row in run.path if row.status == "requested" and row.pressure_kpa in counted]
-    return known == run.summary.content_hash and all(row.unstable_by_m for row in asked)
+    rows = [row for row in run.requested if row.pressure_kpa in counted]
+    return known == run.summary.content_hash and all(row.unstable_by_m for row in rows)
 
 
 def count_run(
@@ -165,12 +165,12 @@ def count_run(
     """
     start = time.perf_counter()
     try:
-        open_rows = [row for row in run.path if row.status == "requested" and not (touching and touching(row))]
+        open_rows = [row for row in run.requested if not (touching and touching(row))]
         counts, found, shapes = _count(folder, run, open_rows, make_problem(), tip_mm, at_rest)
     except (SolverError, StepFailed) as error:
         summary = dataclasses.replace(run.summary, plan=(*_other_notes(run), f"{NOT_COUNTED}{error}"))
         write_summary(folder, summary)
-        return Run(summary, run.path)
+        return dataclasses.replace(run, summary=summary)
     rows = tuple(
         dataclasses.replace(row, unstable_by_m=counts_text(counts[row.pressure_kpa])) if row in open_rows else row
         for row in run.path
@@ -185,7 +185,7 @@ def count_run(
     record: dict[str, Any] = {"content_hash": summary.content_hash, "waves": list(WAVES), "seconds": seconds}
     record |= {"counted_kpa": list(counts), "crossings": entries}
     write_text_atomically(folder / MODES_FILE, json.dumps(record, indent=1, allow_nan=False) + "\n")
-    return Run(summary, rows)
+    return dataclasses.replace(run, summary=summary, path=rows)
 
 
 def _other_notes(run: Run) -> list[str]:

@@ -7,20 +7,21 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from meshes.revolve import revolve
 from meshes.solid import FACETS, SolidMesh
-from meshes.sweep import revolve_hexahedra
 from solvers.assembly.surfaces import Surfaces
 from solvers.problem import Problem
+from studies.models.axisymmetric import run_axisymmetric
+from studies.models.body import run_simple_body
 from studies.models.body_problem import Body, body_of, problem_of
-from studies.models.body_run import run_exact
-from studies.models.build import scene_meridian, scene_problem
+from studies.models.build import scene_problem
 from studies.models.modes import count_run, is_counted
-from studies.models.run_log import Run
-from studies.models.runs import run_axisymmetric
-from studies.planning.body_plan import make_exact_plan
+from studies.planning.planner import make_plan
 from studies.progress import Progress
-from studies.scene.bodies import AnyScene, ExactScene, TubeGeometry
+from studies.results.runs import Run
+from studies.scene.bodies import BodyScene
+from studies.scene.body_geometry import TubeGeometry
+from studies.scene.files import Scene
+from studies.scene.meshes import scene_meridian
 from studies.scene.sections import SceneError
 
 
@@ -34,47 +35,39 @@ class ModesModel:
         From `check`, for scenes that have no axisymmetric model.
     """
 
-    scene: AnyScene
+    scene: Scene
 
     def check(self) -> None:
         """Refuse scenes whose body is not one of revolution or has linear displacements."""
         scene = self.scene
-        if isinstance(scene, ExactScene) and not isinstance(scene.geometry, TubeGeometry):
+        if isinstance(scene, BodyScene) and not isinstance(scene.geometry, TubeGeometry):
             raise SceneError(
                 f"{scene.name}: geometry.kind = {scene.geometry.kind!r}: modes are counted of bellows, tube"
             )
         if scene.mesh.element == "tet-p1":
             raise SceneError(f'{scene.name}: mesh.element = "tet-p1": modes need quadratic displacements: "auto"')
 
-    @property
-    def loads_kpa(self) -> tuple[float, ...]:
-        """Asked pressures."""
-        return self.scene.loads_kpa if isinstance(self.scene, ExactScene) else tuple(self.scene.load.pressure_kpa)
-
     def run(self, refinement: int, folder: Path, progress: Progress) -> Run:
         """The counted axisymmetric run on a meridian, on this rank alone."""
         scene, alone = self.scene, MPI.COMM_SELF
-        if not isinstance(scene, ExactScene):
+        if not isinstance(scene, BodyScene):
             return run_axisymmetric(scene, refinement, folder, alone, progress, modes=True)
-        run = run_exact(scene, make_exact_plan(scene, "axisymmetric"), f"r{refinement}", folder, alone, progress).run
+        plan = make_plan(scene, "axisymmetric")
+        run = run_simple_body(scene, "axisymmetric", f"r{refinement}", folder, alone, progress, plan.skipped)
         return run if is_counted(folder, run) else count_run(folder, run, lambda: self.problem(refinement), None, True)
 
     def meridian(self, refinement: int) -> SolidMesh:
         """The meridian mesh."""
-        if isinstance(self.scene, ExactScene):
+        if isinstance(self.scene, BodyScene):
             return body_of(self.scene, "axisymmetric", f"r{refinement}").mesh
         return scene_meridian(self.scene, refinement)
 
     def problem(self, refinement: int) -> Problem:
         """The axisymmetric problem."""
         scene = self.scene
-        if isinstance(scene, ExactScene):
+        if isinstance(scene, BodyScene):
             return problem_of(scene, body_of(scene, "axisymmetric", f"r{refinement}"), MPI.COMM_SELF)
         return scene_problem(scene, scene_meridian(scene, refinement), MPI.COMM_SELF)
-
-    def body(self, meridian: SolidMesh, around: int) -> SolidMesh:
-        """The body of revolution of a meridian, with so many cells round."""
-        return (revolve_hexahedra if meridian.cell.name == "quadrilateral" else revolve)(meridian, around)
 
     def body_problem(self, body: SolidMesh) -> Problem:
         """The body's problem, held as the meridian is.
@@ -85,7 +78,7 @@ class ModesModel:
             For tubes whose ends are free to drift: a body needs pins there.
         """
         scene = self.scene
-        if not isinstance(scene, ExactScene):
+        if not isinstance(scene, BodyScene):
             return scene_problem(scene, body, MPI.COMM_SELF)
         if not isinstance(scene.geometry, TubeGeometry) or scene.geometry.ends != "bonded":
             raise SceneError(f'{scene.name}: a body beside the modes needs geometry.ends = "bonded"')

@@ -1,11 +1,16 @@
-"""A run on its way and when it is done: rows, checkpoints, first touch, summary; the same for every kind of scene."""
+"""A run on its way and when it is done: rows, states, checkpoints, first touch, summary; the same for every model.
+
+A run is kept in a folder of its own. After each converged step a checkpoint is written, all of it or nothing: a run
+that was killed goes on after it with the steps it would have taken, on any number of ranks, and a finished one with the
+same content hash is not repeated.
+"""
 
 from __future__ import annotations
 
 import dataclasses
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -14,55 +19,41 @@ from mpi4py import MPI
 
 from meshes.quality import mesh_quality
 from meshes.solid import SolidMesh
+from solvers.errors import SolverError
 from solvers.linear.factor import Factor
-from solvers.output import write_mode
+from solvers.output import write_mode, write_vtu
 from solvers.paths.checkpoint import CheckpointError, read_checkpoint, write_checkpoint
 from solvers.paths.records import Crossing, GuessMemory, PathMemory, PathState
 from solvers.paths.records import Path as EquilibriumPath
 from solvers.problem import Problem
+from studies.models.build import Tip
 from studies.models.contact import ContactWatch
 from studies.models.gaps import GapMeter, Touch
 from studies.progress import Progress
 from studies.results import provenance
 from studies.results.files import (
-    FIELDS_FOLDER,
     PathRow,
     RunSummary,
-    read_path,
-    read_summary,
+    field_file,
+    load_state,
+    save_state,
+    write_collection,
     write_path,
     write_summary,
-    write_text_atomically,
 )
-
-
-@dataclass(frozen=True)
-class Run:
-    """A finished or stopped run, read back from disk."""
-
-    summary: RunSummary
-    path: tuple[PathRow, ...]
-
-
-def finished_run(folder: Path, content_hash: str) -> Run | None:
-    """The run in a folder if it is there, whole and of this content."""
-    try:
-        summary = read_summary(folder)
-        if summary.content_hash != content_hash:
-            return None
-        return Run(summary, tuple(read_path(folder)))
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
-
+from studies.results.runs import Run, run_hash
+from studies.scene.files import Scene
 
 CHECKPOINT_FILE, MODE_FILE = "checkpoint.npz", "critical_mode"
+# Begins the note on first touch.
+CONTACT = "contact not modelled"
 
 
 @dataclass(frozen=True)
 class Job:
     """What identifies a run while it goes on."""
 
-    scene: str
+    scene: Scene
     model: str
     level: str
     folder: Path
@@ -70,34 +61,57 @@ class Job:
     notes: tuple[str, ...]
     progress: Progress
     begin: float
-    sense: float = 1.0  # -1: loads are a vacuum
 
     @property
     def label(self) -> str:
         """Scene, model and mesh."""
-        return f"{self.scene} {self.model} {self.level}"
+        return f"{self.scene.name} {self.model} {self.level}"
+
+    @property
+    def sense(self) -> float:
+        """-1 where loads are a vacuum."""
+        return -1.0 if self.scene.loads_kpa[-1] < 0.0 else 1.0
 
 
 def begin(
-    scene: str,
+    scene: Scene,
     model: str,
     level: str,
     folder: Path,
-    content_hash: str,
-    notes: Sequence[str],
     progress: Progress,
-    highest_mpa: float,
-    sense: float = 1.0,
+    notes: Sequence[str] = (),
+    content_hash: str | None = None,
 ) -> Job:
-    """Start the clock, the memory's peak and the progress of a run whose highest requested pressure is given."""
+    """Start the clock, the memory's peak and the progress of a run; its hash is that of `run_hash` unless given."""
     provenance.reset_peak_memory()
-    job = Job(scene, model, level, folder, content_hash, tuple(notes), progress, time.perf_counter(), sense)
-    progress.begin(job.label, highest_mpa)
+    known = content_hash or run_hash(scene, model, level)
+    job = Job(scene, model, level, folder, known, tuple(notes), progress, time.perf_counter())
+    # a twist has no pressure to measure progress by
+    progress.begin(job.label, 1e-3 * abs(scene.loads_kpa[-1]) or 1.0)
     return job
 
 
-# Begins the note on first touch.
-CONTACT = "contact not modelled"
+def on_first_rank(comm: MPI.Comm, solve: Callable[[], Run]) -> Run:
+    """An axisymmetric run that rank 0 makes alone, known to all.
+
+    Raises
+    ------
+    OSError, SolverError
+        On every rank, if rank 0 failed.
+    """
+    answer: Run | Exception | None = None
+    if comm.rank == 0:
+        try:
+            answer = solve()
+        except Exception as error:
+            answer = error
+    answer = comm.bcast(answer)
+    if isinstance(answer, OSError | SolverError):
+        raise answer
+    if isinstance(answer, Exception):
+        raise SolverError(f"axisymmetric run: {answer}") from answer
+    assert answer is not None
+    return answer
 
 
 def ending(reason: str, notes: Sequence[str]) -> str:
@@ -107,60 +121,78 @@ def ending(reason: str, notes: Sequence[str]) -> str:
 
 
 class Log:
-    """Rows, counters and files of a run on its way; what an interrupted run left is read first. Every rank calls.
+    """A run on its way: what an interrupted one left is read first, each state is kept. Every rank calls.
 
     Parameters
     ----------
-    job, comm, mesh
-        The run, who takes part, and on what.
+    job, problem, factor, mesh
+        The run, what is solved, and on what.
     row_of
         A converged state as a row of path.csv.
+    gaps
+        Measures the gaps of its states; None leaves them out.
     """
 
     def __init__(
         self,
         job: Job,
-        comm: MPI.Comm,
+        problem: Problem,
+        factor: Factor,
         mesh: SolidMesh,
         row_of: Callable[[PathState], PathRow],
         gaps: GapMeter | ContactWatch | None = None,
     ) -> None:
-        self.job, self.comm, self.mesh, self.row_of, self._gaps = job, comm, mesh, row_of, gaps
+        self.job, self.problem, self.factor, self.mesh, self.row_of = job, problem, factor, mesh, row_of
+        self.comm, self._gaps = problem.comm, gaps
         self.rows: list[PathRow] = []
         self.notes = list(job.notes)
-        self.factorisations, self.seconds = 0, 0.0
-        self._has_mode = False
-        found: tuple[PathMemory | GuessMemory, Any] | str | None = None
-        if comm.rank == 0:
-            try:
-                found = read_checkpoint(self._file, job.content_hash)
-            except CheckpointError as error:
-                found = str(error)
-        found = comm.bcast(found)
         self.memory: PathMemory | GuessMemory | None = None
-        if isinstance(found, str):
-            self.notes.append(f"warning: {found}; this run started anew")
-            job.progress.warn(f"{job.label}: {found}; starting anew")
-        elif found is not None:
-            self.memory, kept = found
-            self.rows = [PathRow(**row) for row in kept["rows"]]
-            self.factorisations, self.seconds = kept["factorisations"], kept["seconds"]
-            self.notes = list(kept["notes"])
-            job.progress.warn(f"{job.label}: going on after {self.rows[-1].pressure_kpa:.6g} kPa, from its checkpoint")
+        self._factorisations, self._seconds = 0, 0.0
+        self._has_mode = False
+        self._read_checkpoint()
         self._begin = time.perf_counter()
 
     @property
     def _file(self) -> Path:
         return self.job.folder / CHECKPOINT_FILE
 
+    def _read_checkpoint(self) -> None:
+        """Go on where an interrupted run of the same content was."""
+        job = self.job
+        found: tuple[PathMemory | GuessMemory, Any] | str | None = None
+        if self.comm.rank == 0:
+            try:
+                found = read_checkpoint(self._file, job.content_hash)
+            except CheckpointError as error:
+                found = str(error)
+        found = self.comm.bcast(found)
+        if isinstance(found, str):
+            self.notes.append(f"warning: {found}; this run started anew")
+            job.progress.warn(f"{job.label}: {found}; starting anew")
+        elif found is not None:
+            self.memory, kept = found
+            self.rows = [PathRow(**row) for row in kept["rows"]]
+            self._factorisations, self._seconds = kept["factorisations"], kept["seconds"]
+            self.notes = list(kept["notes"])
+            job.progress.warn(f"{job.label}: going on after {self.rows[-1].pressure_kpa:.6g} kPa, from its checkpoint")
+
     def state(self, item: PathState) -> PathRow:
         """Take in a converged state."""
         row = self.row_of(item)
         if self._gaps is not None:
             row = self._with_gap(row, self._gaps.measure(item.state))
-        self.rows.append(dataclasses.replace(row, wall_s=self.seconds + row.wall_s))
+        self.rows.append(dataclasses.replace(row, wall_s=self._seconds + row.wall_s))
         self.job.progress.state(item.state.load_mpa)
         return self.rows[-1]
+
+    def keep(self, item: PathState) -> None:
+        """Take in a converged state, and write it if it is a requested one."""
+        row = self.state(item)
+        if item.asked and self.comm.rank == 0:
+            with self.problem.timer("output"):
+                save_state(self.job.folder, self.job.content_hash, item.state, row)
+                if isinstance(self._gaps, ContactWatch):
+                    self._gaps.write(item)
 
     def _with_gap(self, row: PathRow, touch: Touch) -> PathRow:
         """The row with its gap; the first touch is noted."""
@@ -174,43 +206,90 @@ class Log:
             )
         return dataclasses.replace(row, min_gap_mm=touch.gap.gap_mm)
 
-    def step(self, memory: PathMemory | GuessMemory, factor: Factor) -> None:
+    def step(self, memory: PathMemory | GuessMemory) -> None:
         """Write the critical mode if it has just been found, and the checkpoint."""
+        self.memory = memory
         if self.comm.rank != 0:
             return
-        with factor.problem.timer("output"):
+        with self.problem.timer("output"):
             crossing = memory.crossing
             if crossing is not None and crossing.state is not None and crossing.mode is not None and not self._has_mode:
                 write_mode(self.job.folder / MODE_FILE, self.mesh, crossing.state, crossing.mode)
                 self._has_mode = True
             notes = {
                 "rows": [asdict(row) for row in self.rows],
-                "factorisations": self.factorisations + factor.count,
-                "seconds": self.seconds + time.perf_counter() - self._begin,
+                "factorisations": self._factorisations + self.factor.count,
+                "seconds": self._seconds + time.perf_counter() - self._begin,
                 "notes": self.notes,
             }
             write_path(self.job.folder, self.rows)
             write_checkpoint(self._file, self.job.content_hash, memory, notes)
 
-    def done(self) -> None:
-        """The run is written: its checkpoint is not needed any more."""
+    def finish(self, path: EquilibriumPath, measured: SolidMesh, masses_g: tuple[float, float]) -> Run:
+        """Write the run's path and summary on rank 0; the same Run on every rank.
+
+        Parameters
+        ----------
+        measured
+            The mesh whose quality is reported: that of the meridian for a body made from one.
+        masses_g
+            Of silicone and rings.
+        """
+        job, problem = self.job, self.problem
+        made = self._factorisations + self.factor.count
+        peak = provenance.peak_memory_mb(self.comm)
+        self.factor.close()
+        summary = None
         if self.comm.rank == 0:
+            self._add_warnings(measured)
+            summary = RunSummary(
+                scene=job.scene.name,
+                model=job.model,
+                level=job.level,
+                status="reached" if path.reached else "stopped",
+                reason=ending(("vacuum: " if path.reason and job.sense < 0.0 else "") + path.reason, self.notes),
+                content_hash=job.content_hash,
+                plan=tuple(self.notes),
+                dofs=problem.index_map.size_global + problem.extra,
+                cells=len(self.mesh.cells),
+                nodes=len(self.mesh.points),
+                factorisations=made,
+                newton_iterations=sum(row.newton_iterations for row in self.rows),
+                rejected_steps=path.rejected,
+                silicone_g=masses_g[0],
+                ring_g=masses_g[1],
+                time_s={
+                    **{k: float(v) for k, v in problem.timer.seconds.items()},
+                    "total": self._seconds + time.perf_counter() - job.begin,
+                },
+                peak_mb=peak,
+                cause=str(path.cause),
+                crossing=_facts(path.crossing, job.sense),
+                **provenance.stamp(self.comm),
+            )
+            write_path(job.folder, self.rows)
+            write_summary(job.folder, summary)
             self._file.unlink(missing_ok=True)
+        summary = self.comm.bcast(summary)
+        assert summary is not None
+        last = self.rows[-1].pressure_kpa if self.rows else 0.0
+        how = "reached" if path.reached else f"stopped at {last:.2f} kPa: {summary.reason}"
+        job.progress.end(
+            f"{job.label}: {how}; {summary.dofs} unknowns, {made} factorisations, {summary.time_s['total']:.1f} s"
+        )
+        return Run(summary, tuple(self.rows))
+
+    def _add_warnings(self, measured: SolidMesh) -> None:
+        cells = mesh_quality(measured).boundary_only_cells
+        if cells:
+            self.notes.append(f"warning: {cells} cells have all corners on the boundary: they lock")
+        if not self.problem.conservative:
+            self.notes.append(
+                "warning: the load is not conservative: unsymmetric tangent, unstable modes are not counted"
+            )
 
 
-def stamp(comm: MPI.Comm) -> dict[str, Any]:
-    """Provenance fields of a summary."""
-    return {
-        "versions": provenance.versions(),
-        "blas": provenance.blas(),
-        "ranks": comm.size,
-        "threads": provenance.blas_threads(),
-        "commit": provenance.commit(),
-        "when": provenance.now(),
-    }
-
-
-def path_row(item: PathState, tip_mm: float, tip_centre_mm: float, parts: int = 1, sense: float = 1.0) -> PathRow:
+def path_row(item: PathState, tip: Tip | None, parts: int = 1, sense: float = 1.0) -> PathRow:
     """A row of path.csv; volume, energy and forces are those of the whole, of which a sector is one of ``parts``.
 
     With ``sense`` -1 the load is a vacuum, and what does work on it minus the volume.
@@ -219,8 +298,8 @@ def path_row(item: PathState, tip_mm: float, tip_centre_mm: float, parts: int = 
     return PathRow(
         pressure_kpa=sense * 1e3 * item.state.load_mpa,
         control=item.control,
-        tip_mm=tip_mm,
-        tip_centre_mm=tip_centre_mm,
+        tip_mm=math.nan if tip is None else tip.mean_mm(item.state),
+        tip_centre_mm=math.nan if tip is None else tip.centre_mm(item.state),
         tip_force_n=parts * item.end_force_n,
         volume_mm3=sense * parts * item.volume_mm3,
         energy_mj=parts * item.energy_mj,
@@ -234,27 +313,6 @@ def path_row(item: PathState, tip_mm: float, tip_centre_mm: float, parts: int = 
         status="requested" if item.asked else "step",
         bond_slip_rms_mm=item.bond_slip_mm,
     )
-
-
-def field_file(folder: Path, pressure_mpa: float) -> Path:
-    """Where a run's fields at a load are."""
-    return folder / FIELDS_FOLDER / f"p{1e3 * abs(pressure_mpa):06.3f}.vtu"
-
-
-def field_files(folder: Path, pressures_kpa: Sequence[float]) -> dict[float, Path]:
-    """The field files a run has written, by pressure in kPa."""
-    files = {p: field_file(folder, 1e-3 * p) for p in pressures_kpa}
-    return {p: f for p, f in files.items() if f.exists()}
-
-
-def write_collection(folder: Path, pressures_kpa: Sequence[float]) -> None:
-    """A ParaView collection over the pressures."""
-    entries = "".join(
-        f'<DataSet timestep="{p:g}" file="{f.relative_to(folder)}"/>'
-        for p, f in field_files(folder, pressures_kpa).items()
-    )
-    text = f'<?xml version="1.0"?><VTKFile type="Collection" version="0.1"><Collection>{entries}</Collection></VTKFile>'
-    write_text_atomically(folder / "fields.pvd", text)
 
 
 def _facts(crossing: Crossing | None, sense: float) -> dict[str, Any]:
@@ -271,68 +329,16 @@ def _facts(crossing: Crossing | None, sense: float) -> dict[str, Any]:
     }
 
 
-def finish(
-    log: Log,
-    problem: Problem,
-    factor: Factor,
-    path: EquilibriumPath,
-    measured: SolidMesh,
-    masses: tuple[float, float],
-) -> Run:
-    """Write a run's path and summary on rank 0; the same Run on every rank.
+def write_fields(folder: Path, run: Run, mesh: SolidMesh, loads_kpa: Iterable[float]) -> None:
+    """Write the fields of kept states for ParaView, and the collection of all that are there."""
+    for load in loads_kpa:
+        saved = load_state(folder, run.summary.content_hash, 1e-3 * load)
+        if saved is not None:
+            write_vtu(field_file(folder, 1e-3 * load), mesh, saved[0])
+    write_collection(folder, [row.pressure_kpa for row in run.requested])
 
-    Parameters
-    ----------
-    measured
-        The mesh whose quality is reported: that of the meridian for a body made from one.
-    masses
-        Of silicone and rings, g.
-    """
-    job, rows, mesh = log.job, log.rows, log.mesh
-    made = log.factorisations + factor.count
-    comm = problem.comm
-    peak = provenance.peak_memory_mb(comm)
-    factor.close()
-    seconds = {k: float(v) for k, v in problem.timer.seconds.items()}
-    summary = None
-    if comm.rank == 0:
-        quality = mesh_quality(measured)
-        notes = log.notes
-        if quality.boundary_only_cells:
-            notes.append(f"warning: {quality.boundary_only_cells} cells have all corners on the boundary: they lock")
-        if not problem.conservative:
-            notes.append("warning: the load is not conservative: unsymmetric tangent, unstable modes are not counted")
-        silicone, rings = masses
-        summary = RunSummary(
-            scene=job.scene,
-            model=job.model,
-            level=job.level,
-            status="reached" if path.reached else "stopped",
-            reason=ending(("vacuum: " if path.reason and job.sense < 0.0 else "") + path.reason, notes),
-            content_hash=job.content_hash,
-            plan=tuple(notes),
-            dofs=problem.index_map.size_global + problem.extra,
-            cells=len(mesh.cells),
-            nodes=len(mesh.points),
-            factorisations=made,
-            newton_iterations=sum(row.newton_iterations for row in rows),
-            rejected_steps=path.rejected,
-            silicone_g=silicone,
-            ring_g=rings,
-            time_s={**seconds, "total": log.seconds + time.perf_counter() - job.begin},
-            peak_mb=peak,
-            cause=str(path.cause),
-            crossing=_facts(path.crossing, job.sense),
-            **stamp(comm),
-        )
-        write_path(job.folder, rows)
-        write_summary(job.folder, summary)
-        log.done()
-    summary = comm.bcast(summary)
-    assert summary is not None
-    last = rows[-1].pressure_kpa if rows else 0.0
-    how = "reached" if path.reached else f"stopped at {last:.2f} kPa: {summary.reason}"
-    job.progress.end(
-        f"{job.label}: {how}; {summary.dofs} unknowns, {made} factorisations, {summary.time_s['total']:.1f} s"
-    )
-    return Run(summary, tuple(rows))
+
+def without_fields(folder: Path, run: Run) -> list[float]:
+    """Requested loads that a run has reached but whose fields are not there, kPa."""
+    reached = [row.pressure_kpa for row in run.requested]
+    return [load for load in reached if not field_file(folder, 1e-3 * load).exists()]

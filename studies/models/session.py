@@ -4,62 +4,88 @@ from __future__ import annotations
 
 import math
 import shutil
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Generic, TypeVar
 
 from mpi4py import MPI
 
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
+from studies.models.axisymmetric import run_axisymmetric
+from studies.models.closed_form import run_closed_form
+from studies.models.full3d import SolidModel, run_full3d
 from studies.models.modes import COUNTED_LEVELS, WARNING
-from studies.models.run_log import Run
-from studies.models.runs import run_axisymmetric, run_body, run_closed_form, run_hash
+from studies.planning.bodies import models_of
 from studies.planning.error_model import MERIDIAN_SHARE
-from studies.planning.expectations import expectation_rows, sentence
-from studies.planning.levels import BodyLevel, fineness, ranking
+from studies.planning.levels import MODELS, BodyLevel, fineness, ranking
 from studies.planning.plan import Plan
+from studies.planning.planner import make_plan
 from studies.progress import Progress
-from studies.results.compare import MERIDIAN_ORDER, main_quantity, scene_rows, tip_at, tip_convergence
-from studies.results.files import PATH_FILE, SUMMARY_FILE, read_path, read_summary
+from studies.results.bellows_rows import bellows_rows
+from studies.results.expectations import expectation_rows, sentence
+from studies.results.files import PATH_FILE, SUMMARY_FILE
 from studies.results.rows import Row, write_rows
-from studies.scene.bellows import Scene, load_scene
+from studies.results.runs import MERIDIAN_ORDER, Run, of_model, read_run, run_hash, tip_at, tip_convergence
+from studies.scene.bellows import BellowsScene
+from studies.scene.bodies import BodyScene
+from studies.scene.files import Scene
+
+# What solves simple bodies is imported with the first of them: with the exact solutions it takes a tenth of a second.
 
 SCENE_FILE, ROWS_FILE = "scene.toml", "rows.csv"
+SceneKind = TypeVar("SceneKind", bound=Scene)
 
 
 @dataclass(frozen=True)
-class SceneResult:
-    """All runs of a scene, coarsest first, and the comparison rows."""
+class SceneResult(Generic[SceneKind]):
+    """All runs of a scene, those of each model coarsest first, and the comparison rows."""
 
-    scene: Scene
-    axisymmetric: tuple[Run, ...]
-    sector: tuple[Run, ...]
-    full3d: tuple[Run, ...]
+    scene: SceneKind
+    runs: tuple[Run, ...]
     rows: tuple[Row, ...]
+
+    @property
+    def axisymmetric(self) -> tuple[Run, ...]:
+        """The axisymmetric runs."""
+        return of_model(self.runs, "axisymmetric")
+
+    @property
+    def sector(self) -> tuple[Run, ...]:
+        """The runs of a sector."""
+        return of_model(self.runs, "sector")
+
+    @property
+    def full3d(self) -> tuple[Run, ...]:
+        """The runs of the whole body."""
+        return of_model(self.runs, "full3d")
 
     @property
     def answer(self) -> Run | None:
         """The run whose result is the answer: the finest of the highest model."""
-        runs = self.full3d or self.sector or self.axisymmetric
-        return runs[-1] if runs else None
+        return self.runs[-1] if self.runs else None
+
+    @property
+    def stopped(self) -> Run | None:
+        """The first run that should have reached every requested load and did not: of a bellows only the answer."""
+        wanted = self.runs if isinstance(self.scene, BodyScene) else self.runs[-1:]
+        return next((run for run in wanted if run.summary.status != "reached"), None)
 
     @property
     def reached(self) -> bool:
-        """True if the answer reached every requested pressure."""
-        return self.answer is None or self.answer.summary.status == "reached"
+        """True if every requested load was reached."""
+        return self.stopped is None
 
     @property
     def reason(self) -> str:
-        """Why it did not."""
-        return "" if self.answer is None else self.answer.summary.reason
+        """Why not."""
+        return "" if self.stopped is None else self.stopped.summary.reason
 
     @property
     def headlines(self) -> tuple[Row, ...]:
-        """Rows for a terminal: what was asked."""
-        wanted = {main_quantity(self.scene), *self.scene.ask.quantities}
-        return tuple(r for r in self.rows if r.quantity in wanted)
+        """Rows for a terminal: what was requested."""
+        return tuple(r for r in self.rows if r.quantity in self.scene.quantities)
 
     @property
     def unstable(self) -> tuple[str, ...]:
@@ -73,8 +99,8 @@ class SceneResult:
 
 
 def run_plan(
-    scene: Scene, scene_text: str, plan: Plan, folder: Path, comm: MPI.Comm, progress: Progress
-) -> SceneResult:
+    scene: SceneKind, scene_text: str, plan: Plan, folder: Path, comm: MPI.Comm, progress: Progress
+) -> SceneResult[SceneKind]:
     """Run what a plan says; results of the same content that are already there are used.
 
     Parameters
@@ -92,33 +118,11 @@ def run_plan(
     if comm.rank == 0:
         folder.mkdir(parents=True, exist_ok=True)
         (folder / SCENE_FILE).write_text(scene_text, encoding="utf-8")
-    certain = 2 if plan.stop_when_met else len(plan.meridian_levels)
-    axisymmetric = _axisymmetric_runs(scene, plan.meridian_levels[:certain], folder, comm, progress)
-    for level in plan.meridian_levels[certain:]:
-        if _good_enough(scene, plan, axisymmetric):
-            break
-        axisymmetric += _axisymmetric_runs(scene, (level,), folder, comm, progress)
-    if scene.ask.modes and plan.model != "full3d":  # the whole body's inertia counts them all
-        axisymmetric = _counted(scene, axisymmetric, folder, comm, progress)
-    solid: dict[str, list[Run]] = {"sector": [], "full3d": []}
-    if plan.around_levels:
-
-        def run(of: Scene, model: Literal["sector", "full3d"], level: BodyLevel) -> Run:
-            base = folder / f"axisymmetric-r{level.meridian}"
-            return run_body(of, model, level, base, folder / f"{model}-{level.name}", comm, progress, plan.skipped)
-
-        beside = scene.model_copy(update={"ask": scene.ask.model_copy(update={"fields": False})})
-        solid["sector"] = [run(beside, "sector", BodyLevel(n, plan.body_levels[0])) for n in plan.sector_levels]
-        meridian = good_meridian(scene, axisymmetric, plan.body_levels) or _finest(axisymmetric, plan.body_levels)
-        assert plan.model == "sector" or plan.model == "full3d"
-        solid[plan.model] += [run(scene, plan.model, BodyLevel(n, meridian)) for n in plan.around_levels]
-    if plan.model == "closed_form":
-        run_closed_form(scene, folder, comm)
-    rows = scene_rows(scene, axisymmetric, **solid)
-    rows += expectation_rows(scene, axisymmetric, [*solid["sector"], *solid["full3d"]])
-    result = SceneResult(scene, tuple(axisymmetric), tuple(solid["sector"]), tuple(solid["full3d"]), tuple(rows))
+    work = (plan, folder, comm, progress)
+    runs = _body_runs(scene, *work) if isinstance(scene, BodyScene) else _bellows_runs(scene, *work)
+    result = SceneResult(scene, tuple(runs), tuple(_rows(scene, runs)))
     if comm.rank == 0:
-        write_rows(folder / ROWS_FILE, rows)
+        write_rows(folder / ROWS_FILE, result.rows)
         if result.answer is not None:
             source = folder / f"{result.answer.summary.model}-{result.answer.summary.level}"
             for name in (PATH_FILE, SUMMARY_FILE):
@@ -127,8 +131,105 @@ def run_plan(
     return result
 
 
-def _axisymmetric_runs(
-    scene: Scene, levels: Sequence[int], folder: Path, comm: MPI.Comm, progress: Progress
+def run_all_models(
+    scene: BodyScene, scene_text: str, folder: Path, comm: MPI.Comm, progress: Progress
+) -> SceneResult[BodyScene]:
+    """Run a simple body with every model it has, all levels of each, into one folder; see `run_plan`."""
+    plans = [make_plan(scene, model) for model in models_of(scene)]
+    results = [run_plan(scene, scene_text, plan, folder, comm, progress) for plan in plans]
+    runs = tuple(run for result in results for run in result.runs)
+    rows = tuple(row for result in results for row in result.rows)
+    if comm.rank == 0:
+        write_rows(folder / ROWS_FILE, rows)
+    comm.barrier()
+    return SceneResult(scene, runs, rows)
+
+
+def read_scene_folder(scene: SceneKind, folder: Path, current: bool = False) -> SceneResult[SceneKind]:
+    """Read the results of a scene back.
+
+    Parameters
+    ----------
+    scene, folder
+        The scene, and where `run_plan` has put it.
+    current
+        True to leave out runs of another content: of a scene that has changed since, or of other code.
+
+    Raises
+    ------
+    OSError, ValueError, KeyError
+        If a run there is damaged.
+    """
+    found = [read_run(p.parent) for p in sorted(folder.glob(f"*-*/{SUMMARY_FILE}"))]
+    if current:
+        found = [r for r in found if r.summary.content_hash == run_hash(scene, r.summary.model, r.summary.level)]
+    runs = [run for model in MODELS for run in sorted(of_model(found, model), key=lambda r: ranking(r.summary.level))]
+    return SceneResult(scene, tuple(runs), tuple(_rows(scene, runs)))
+
+
+def _rows(scene: Scene, runs: Sequence[Run]) -> list[Row]:
+    if isinstance(scene, BellowsScene):
+        return [*bellows_rows(scene, runs), *expectation_rows(scene, runs)]
+    from studies.results.body_rows import body_rows
+
+    models = dict.fromkeys(run.summary.model for run in runs)
+    return [row for model in models for row in body_rows(scene, of_model(runs, model))]
+
+
+# --- levels until they are good enough ----------------------------------------------------------------------
+
+
+def _until_good_enough(
+    plan: Plan, solve: Callable[[Sequence[str]], list[Run]], good_enough: Callable[[Sequence[Run]], bool]
+) -> list[Run]:
+    """Runs of a plan's levels, of those that are left to the results only as many as are needed."""
+    runs = solve(plan.certain)
+    for level in plan.perhaps:
+        if good_enough(runs):
+            break
+        runs += solve((level,))
+    return runs
+
+
+def _within_tolerance(scene: Scene, runs: Sequence[Run]) -> bool:
+    """True if the finest run's uncertainty, as its levels show it, is within the scene's tolerance everywhere."""
+    finest = [r for r in _rows(scene, runs) if r.level == runs[-1].summary.level]
+    if isinstance(scene, BodyScene):
+        wanted = [r for r in finest if r.quantity in scene.quantities and math.isfinite(r.value)]
+    else:
+        wanted = [r for r in finest if r.quantity == scene.main_quantity and r.model == "axisymmetric"]
+    return all(r.uncertainty <= 0.01 * scene.ask.tolerance_percent * abs(r.value) for r in wanted)
+
+
+def _body_runs(scene: BodyScene, plan: Plan, folder: Path, comm: MPI.Comm, progress: Progress) -> list[Run]:
+    from studies.models.body import run_simple_body
+
+    def solve(levels: Sequence[str]) -> list[Run]:
+        return [
+            run_simple_body(scene, plan.model, level, folder / f"{plan.model}-{level}", comm, progress, plan.skipped)
+            for level in levels
+        ]
+
+    return _until_good_enough(plan, solve, lambda runs: _within_tolerance(scene, runs))
+
+
+def _bellows_runs(scene: BellowsScene, plan: Plan, folder: Path, comm: MPI.Comm, progress: Progress) -> list[Run]:
+    def good_enough(runs: Sequence[Run]) -> bool:
+        """For the tolerance, or for a 3D body's share of it."""
+        if plan.model == "axisymmetric":
+            return _within_tolerance(scene, runs)
+        return good_meridian(scene, runs, plan.body_levels) is not None
+
+    runs = _until_good_enough(plan, lambda levels: _shared_out(scene, levels, folder, comm, progress), good_enough)
+    if scene.ask.modes and plan.model != "full3d":  # the whole body's inertia counts them all
+        runs = _counted(scene, runs, folder, comm, progress)
+    if plan.model == "closed_form":
+        run_closed_form(scene, folder, comm)
+    return [*runs, *(_runs_in_3d(scene, plan, runs, folder, comm, progress) if plan.around_levels else ())]
+
+
+def _shared_out(
+    scene: BellowsScene, levels: Sequence[str], folder: Path, comm: MPI.Comm, progress: Progress
 ) -> list[Run]:
     """Axisymmetric runs, each on one rank, shared out over all; known to every rank, in the order of the levels.
 
@@ -137,11 +238,12 @@ def _axisymmetric_runs(
     GeometryError, MeshError, SolverError
         On every rank, if a run failed.
     """
-    mine: dict[int, Run] = {}
+    mine: dict[str, Run] = {}
     fault: Exception | None = None
     for level in levels[comm.rank :: comm.size]:
+        place = folder / f"axisymmetric-{level}"
         try:
-            mine[level] = run_axisymmetric(scene, level, folder / f"axisymmetric-r{level}", MPI.COMM_SELF, progress)
+            mine[level] = run_axisymmetric(scene, fineness(level), place, MPI.COMM_SELF, progress)
         except (GeometryError, MeshError, SolverError) as error:
             fault = error
             break
@@ -153,7 +255,7 @@ def _axisymmetric_runs(
     return [known[level] for level in levels]
 
 
-def _counted(scene: Scene, runs: list[Run], folder: Path, comm: MPI.Comm, progress: Progress) -> list[Run]:
+def _counted(scene: BellowsScene, runs: list[Run], folder: Path, comm: MPI.Comm, progress: Progress) -> list[Run]:
     """The runs, the finest of those whose modes are counted with its counts."""
     levels = [level for level in (fineness(run.summary.level) for run in runs) if level in COUNTED_LEVELS]
     if not levels:
@@ -163,73 +265,39 @@ def _counted(scene: Scene, runs: list[Run], folder: Path, comm: MPI.Comm, progre
     return [run if old.summary.level == name else old for old in runs]
 
 
-def good_meridian(scene: Scene, axisymmetric: Sequence[Run], levels: Sequence[int]) -> int | None:
+# --- bodies made from a meridian ----------------------------------------------------------------------------
+
+
+def _runs_in_3d(
+    scene: BellowsScene, plan: Plan, axisymmetric: Sequence[Run], folder: Path, comm: MPI.Comm, progress: Progress
+) -> list[Run]:
+    """Sectors beside the answer, and the answer's body."""
+    assert plan.model == "sector" or plan.model == "full3d"
+    beside = scene.model_copy(update={"ask": scene.ask.model_copy(update={"fields": False})})
+    known = [fineness(run.summary.level) for run in axisymmetric]
+    meridian = good_meridian(scene, axisymmetric, plan.body_levels) or max(set(known) & set(plan.body_levels))
+    wanted: list[tuple[BellowsScene, SolidModel, BodyLevel]] = []
+    wanted += [(beside, "sector", BodyLevel(n, plan.body_levels[0])) for n in plan.sector_levels]
+    wanted += [(scene, plan.model, BodyLevel(n, meridian)) for n in plan.around_levels]
+    runs = []
+    for of, model, level in wanted:
+        base, place = folder / f"axisymmetric-r{level.meridian}", folder / f"{model}-{level.name}"
+        runs.append(run_full3d(of, model, level, base, place, comm, progress, plan.skipped))
+    return runs
+
+
+def good_meridian(scene: BellowsScene, axisymmetric: Sequence[Run], levels: Sequence[int]) -> int | None:
     """The first meridian whose error, as the axisymmetric runs show it, is within its share of the tolerance, %.
 
     None if none is; only levels that have an axisymmetric run.
     """
-    allowed = 0.01 * MERIDIAN_SHARE * scene.ask.tolerance_percent
-    quantity = main_quantity(scene)
+    allowed, quantity = 0.01 * MERIDIAN_SHARE * scene.ask.tolerance_percent, scene.main_quantity
     for run in (r for r in axisymmetric if fineness(r.summary.level) in levels):
         errors = []
         for pressure in scene.load.pressure_kpa:
-            value, limit = (
-                tip_at(run, pressure, quantity),
-                tip_convergence(axisymmetric, pressure, MERIDIAN_ORDER, quantity).limit,
-            )
+            value = tip_at(run, pressure, quantity)
+            limit = tip_convergence(axisymmetric, pressure, MERIDIAN_ORDER, quantity).limit
             errors.append(abs(value - limit) / abs(limit))
         if all(error <= allowed for error in errors if not math.isnan(error)):
             return fineness(run.summary.level)
     return None
-
-
-def _finest(axisymmetric: Sequence[Run], levels: Sequence[int]) -> int:
-    """The finest of some meridian levels that has a run."""
-    return max(fineness(r.summary.level) for r in axisymmetric if fineness(r.summary.level) in levels)
-
-
-def _good_enough(scene: Scene, plan: Plan, runs: Sequence[Run]) -> bool:
-    """True if no finer meridian is needed: for the tolerance, or for a body's share of it."""
-    if plan.model == "axisymmetric":
-        return _within_tolerance(scene, runs)
-    return good_meridian(scene, runs, plan.body_levels) is not None
-
-
-def _within_tolerance(scene: Scene, runs: Sequence[Run]) -> bool:
-    """True if the finest run's uncertainty from its two levels is within the scene's tolerance everywhere."""
-    wanted = main_quantity(scene)
-    rows = [r for r in scene_rows(scene, runs) if r.model == "axisymmetric" and r.quantity == wanted]
-    finest = [r for r in rows if r.level == runs[-1].summary.level]
-    return all(r.uncertainty <= 0.01 * scene.ask.tolerance_percent * abs(r.value) for r in finest)
-
-
-def _read_run(folder: Path) -> Run:
-    return Run(read_summary(folder), tuple(read_path(folder)))
-
-
-def read_scene_folder(folder: Path, current: bool = False) -> SceneResult:
-    """Read a scene's folder back.
-
-    Parameters
-    ----------
-    folder
-        Where `run_plan` has put it.
-    current
-        True to leave out runs of another content: of a scene that has changed since, or of other code.
-
-    Raises
-    ------
-    FileNotFoundError
-        If it holds no scene or no finished run.
-    """
-    scene = load_scene(folder / SCENE_FILE)
-    found = [_read_run(p.parent) for p in sorted(folder.glob(f"*-*/{SUMMARY_FILE}"))]
-    if current:
-        found = [r for r in found if r.summary.content_hash == run_hash(scene, r.summary.model, r.summary.level)]
-    runs = sorted(found, key=lambda r: ranking(r.summary.level))
-    axisymmetric = tuple(r for r in runs if r.summary.model == "axisymmetric")
-    sector = tuple(r for r in runs if r.summary.model == "sector")
-    full3d = tuple(r for r in runs if r.summary.model == "full3d")
-    rows = scene_rows(scene, axisymmetric, sector, full3d)
-    rows += expectation_rows(scene, axisymmetric, [*sector, *full3d])
-    return SceneResult(scene, axisymmetric, sector, full3d, tuple(rows))

@@ -16,6 +16,7 @@ from studies.models.modes import FoundCrossing, read_shape
 from studies.models.modes_model import ModesModel
 from studies.report.pictures.child import draw_states
 from studies.report.pictures.stills import Still
+from studies.scene.meshes import revolved
 
 # Largest displacement of the mode as drawn, of the body's radius: a mode has no size of its own.
 DRAWN_SHARE = 0.4
@@ -44,7 +45,7 @@ def draw_mode(path: Path, model: ModesModel, refinement: int, folder: Path, cros
     """Draw a run's critical mode of a harmonic above the state it starts from; empty, or why there is no picture."""
     state, shape = read_shape(folder, crossing.waves)
     meridian = model.meridian(refinement)
-    body = model.body(meridian, max(AROUND, 8 * crossing.waves))
+    body = revolved(meridian, max(AROUND, 8 * crossing.waves))
     here = revolve_vector(state.displacement_mm, body)
     mode = revolved_mode(shape, body)
     size = DRAWN_SHARE * float(np.hypot(body.points[:, 0], body.points[:, 1]).max())

@@ -12,15 +12,15 @@ from dataclasses import dataclass
 from typing import Final
 
 from studies.engine import Bar
-from studies.models.run_log import Run
 from studies.paper.cases import HIGHEST_KPA, PRESSURES_KPA, REFERENCE_SCENES
 from studies.paper.results import CaseResult, PaperResults, find, is_known
 from studies.planning.levels import fineness, ranking
 from studies.report.labels import level_label, run_label
 from studies.report.numbers import MISSING, rounded_up, up
 from studies.report.tables import Table, table_of
-from studies.results.compare import main_quantity, scene_rows, tip_at
+from studies.results.bellows_rows import bellows_rows
 from studies.results.rows import REACHED, Row, difference_percent
+from studies.results.runs import Run, tip_at
 
 UNCERTAINTY_PERCENT: Final = 1.0
 GAP_PERCENT: Final = 0.5
@@ -72,7 +72,7 @@ def _meridian_checks(case: CaseResult, audit: CaseResult) -> Iterator[Check]:
     own = max((fineness(run.summary.level) for run in runs), default=0)
     more = [run for run in audit.axisymmetric if fineness(run.summary.level) > own]
     for count, finer in enumerate([*runs, *more][2 : len(runs) + 1], start=2):
-        yield from _against(case, scene_rows(case.scene, runs[:count]), runs[count - 1], finer)
+        yield from _against(case, bellows_rows(case.scene, runs[:count]), runs[count - 1], finer)
 
 
 def _body_checks(case: CaseResult, audit: CaseResult) -> Iterator[Check]:
@@ -80,13 +80,13 @@ def _body_checks(case: CaseResult, audit: CaseResult) -> Iterator[Check]:
     runs = sorted([*case.full3d, *audit.full3d], key=lambda run: ranking(run.summary.level))
     for count, run in enumerate(case.full3d, start=1):
         if run is not runs[-1]:
-            rows = scene_rows(case.scene, case.axisymmetric, case.sector, case.full3d[:count])
+            rows = bellows_rows(case.scene, [*case.axisymmetric, *case.sector, *case.full3d[:count]])
             yield from _against(case, rows, run, runs[-1])
 
 
 def _against(case: CaseResult, rows: Sequence[Row], run: Run, finer: Run) -> Iterator[Check]:
     """Bands in rows of one run against another run at every requested pressure that both reached."""
-    quantity = main_quantity(case.scene)
+    quantity = case.scene.main_quantity
     for pressure in case.pressures_kpa:
         row = find(rows, quantity, run.summary.model, pressure, run.summary.level)
         value = tip_at(finer, pressure, quantity)

@@ -6,14 +6,13 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from studies.models.run_log import Run
-from studies.models.run_rows import requested_state
 from studies.paper.cases import HIGHEST_KPA
 from studies.paper.results import CaseResult, PaperResults, ending, is_known, last_kpa
 from studies.report.labels import level_label
 from studies.report.numbers import measured_text, number_text, rounded_up, signed
 from studies.report.tables import Table
 from studies.results.rows import difference_percent
+from studies.results.runs import Run
 
 RIGID: Final = "bond-rigid"
 # DESIGN, section 4: what a softer bond may change in the tip's elongation, and on how many meshes of the rigid one.
@@ -66,7 +65,7 @@ def bonds(results: PaperResults) -> Table:
 
 
 def _cells(bond: Bond, run: Run) -> tuple[str, ...]:
-    level, state = run.summary.level, requested_state(run, HIGHEST_KPA)
+    level, state = run.summary.level, run.at(HIGHEST_KPA)
     measured = (bond.case.row(name, level=level) for name in ("peak_slip_mm", "peak_stretch", "peak_stretch_away"))
     return (
         level_label(level),
@@ -117,4 +116,4 @@ def common_pressures_kpa(case: CaseResult) -> list[float]:
     runs = case.axisymmetric
     if len(runs) < BONDED_MESHES:
         return []
-    return [p for p in case.pressures_kpa if all(requested_state(run, p) is not None for run in runs)]
+    return [p for p in case.pressures_kpa if all(run.at(p) is not None for run in runs)]

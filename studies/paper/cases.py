@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final, Literal
 
 from analytical.bellows.paper import FAMILIES, PRINTED_PRESSURE_KPA, PaperActuator, actuators
-from studies.planning.levels import BodyLevel
-from studies.planning.plan import MERIDIAN_LEVELS
+from studies.planning.levels import MERIDIANS, BodyLevel
 from studies.results import provenance
 from studies.scene.text import changed_text
 
@@ -73,7 +72,7 @@ class Case:
     base: str
     label: str
     changes: Mapping[str, Any] = field(default_factory=dict, hash=False)
-    levels: tuple[int, ...] = MERIDIAN_LEVELS
+    levels: tuple[int, ...] = MERIDIANS
     full3d: bool = False
 
     @property

@@ -13,14 +13,13 @@ from itertools import pairwise
 from typing import Final, Literal
 
 from analytical.bellows.paper import PRINTED
-from studies.models.run_log import Run
-from studies.models.run_rows import requested_state
 from studies.paper.cases import HIGHEST_KPA, PRESSURES_KPA, REFERENCE_SCENES, SETS, THICK, THIN
 from studies.paper.results import CaseResult, PaperResults, is_known, last_kpa, limit_kpa
 from studies.paper.verdicts import FAILS, HOLDS, UNDECIDED, Verdict, above, all_of, below, over_sets, smaller
 from studies.report.labels import TIP, level_label, model_label
 from studies.report.numbers import number_text, value_text
 from studies.results.rows import REACHED, Row
+from studies.results.runs import Run
 
 # Ours: two secants of a curve that differ by less than this still look like one straight line.
 STRAIGHT_PERCENT: Final = 10.0
@@ -229,7 +228,7 @@ def cost_rises(results: PaperResults, model: Literal["axisymmetric", "full3d"]) 
     """Newton iterations and wall time of every 5 kPa, the finest runs of the four actuators together."""
     text = f"The cost of a solution rises with the pressure: {model_label(model)} runs."
     runs = [run for case in results.of("core") for run in getattr(case, model)[-1:]]
-    costs = [interval_costs(run) for run in runs if requested_state(run, HIGHEST_KPA)]
+    costs = [interval_costs(run) for run in runs if run.at(HIGHEST_KPA)]
     if not costs:
         return Claim(text, f"No run reached {HIGHEST_KPA:g} kPa.", UNDECIDED)
     iterations, seconds = ([sum(of_runs) for of_runs in zip(*parts, strict=True)] for parts in zip(*costs, strict=True))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from analytical.bellows.paper import PaperActuator
-from studies.closed_form.tables import SILICONES
+from studies.closed_form.chains import SILICONES
 from studies.paper.cases import HIGHEST_KPA, PRESSURES_KPA, REFERENCE, REFERENCE_SCENES
 from studies.paper.results import CaseResult, PaperResults, is_known, means_something, modes
 from studies.report.labels import model_label
@@ -16,7 +16,7 @@ from studies.report.numbers import (
     difference_text,
     measured_text,
     signed,
-    signed_number,
+    typeset,
     value_text,
 )
 from studies.report.tables import Table, table_of
@@ -145,7 +145,7 @@ class Compared:
         if printed is self.row or not (is_known(self.row) and is_known(printed)):
             return MISSING, MISSING, MISSING
         gap = self.row.value - printed.value
-        return signed_number(gap, 1), f"{abs(gap):.1f}", signed(difference_percent(self.row.value, printed.value))
+        return typeset(gap, "+.1f"), f"{abs(gap):.1f}", signed(difference_percent(self.row.value, printed.value))
 
 
 def compared(results: PaperResults) -> list[Compared]:

@@ -15,8 +15,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from studies.closed_form.tables import SILICONES
-from studies.models.run_log import Run
+from studies.closed_form.chains import SILICONES
 from studies.paper.cases import REFERENCE_SCENES, SETS, THICK
 from studies.paper.errors import PRINTED
 from studies.paper.results import CaseResult, PaperResults
@@ -24,7 +23,8 @@ from studies.report.curves import Curve, draw_curves, set_pressure_axis
 from studies.report.labels import TIP, TIP_FORCE, model_label
 from studies.report.style import BELOW, BLUE, DPI, GREEN, GREY, VERMILION, figure_file, style_of
 from studies.results.rows import FOLDED_BACK, REACHED, Row
-from studies.scene.bellows import Scene
+from studies.results.runs import Run
+from studies.scene.bellows import BellowsScene
 
 WIDTH_IN: Final = 8.2
 # Lines and markers in a panel of several, relative to a plot of its own.
@@ -190,7 +190,7 @@ def draw_dimensions_matter(path: Path, results: PaperResults) -> str:
     return ""
 
 
-def _sizes(scene: Scene) -> str:
+def _sizes(scene: BellowsScene) -> str:
     g = scene.geometry
     shape = f"$R_i$ {g.root_radius_mm:g}, $R_p$ {g.crest_radius_mm:g}, $e$ {g.half_pitch_mm:g}, $n$ {g.convolutions}"
     return f"{shape}, DS {silicone_of(scene)[-2:]}"
@@ -340,12 +340,12 @@ def legend_below(figure: Figure, entries: Iterable[Any], columns: int = 3, **loo
     figure.legend(handles=list(once.values()), ncols=columns, **BELOW, **look)
 
 
-def name_of(scene: Scene) -> str:
+def name_of(scene: BellowsScene) -> str:
     """An actuator by what the paper prints of it."""
     return f"t = {scene.geometry.wall_mm:g} mm, $R_i$ = {scene.geometry.root_radius_mm:g} mm"
 
 
-def silicone_of(scene: Scene) -> str:
+def silicone_of(scene: BellowsScene) -> str:
     """The paper's silicone that a scene's law stands for."""
     return SILICONES["dragon-skin-10" if scene.material.law == "yeoh" else "dragon-skin-30"]
 

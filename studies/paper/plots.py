@@ -14,8 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
-from studies.closed_form.tables import SILICONES, STRETCH_AT_BREAK
-from studies.models.run_log import Run
+from studies.closed_form.chains import SILICONES, STRETCH_AT_BREAK
 from studies.paper.cases import HIGHEST_KPA, REFERENCE_SCENES, RING_VARIANTS
 from studies.paper.panels import (
     SCALE,
@@ -52,7 +51,8 @@ from studies.report.style import (
     white_edged,
 )
 from studies.results.rows import REACHED
-from studies.scene.bellows import Scene
+from studies.results.runs import Run
+from studies.scene.bellows import BellowsScene
 
 # The four actuators where they share axes: one hue per wall, one marker each; the second of a pair is smaller and does
 # not hide the first where both agree.
@@ -156,7 +156,7 @@ def draw_beyond(path: Path, results: PaperResults) -> str:
     return ""
 
 
-def _draw_breaks(axes: Axes, scenes: Sequence[Scene]) -> None:
+def _draw_breaks(axes: Axes, scenes: Sequence[BellowsScene]) -> None:
     """Draw the stretches at which the silicones break, and whose they are."""
     for silicone, stretch in STRETCH_AT_BREAK.items():
         axes.axhline(stretch, color=BLACK, linewidth=1.2, linestyle="--", zorder=2.0)

@@ -14,20 +14,20 @@ from pathlib import Path
 from typing import Final
 
 from analytical.bellows import chains, loads
-from studies.models.run_log import Run
-from studies.models.run_rows import requested_state
 from studies.models.session import SCENE_FILE, SceneResult, read_scene_folder
 from studies.paper.cases import HIGHEST_KPA, Case, Group, cases
 from studies.report.labels import TIP
 from studies.report.numbers import MISSING
-from studies.results import compare, measures, uncertainty
+from studies.results import measured_rows, measures, runs, uncertainty
 from studies.results.files import RunSummary
 from studies.results.kept import content_key, kept
 from studies.results.rows import FOLDED_BACK, Row, row
-from studies.scene.bellows import Scene
+from studies.results.runs import Run
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
 
 # Modules that decide what is measured in the states of a run, beside the code that the run is keyed by.
-_MEASURING: Final = tuple(Path(inspect.getfile(module)) for module in (measures, chains, loads, compare, uncertainty))
+_MEASURING: Final = (measures, measured_rows, chains, loads, runs, uncertainty)
 _LIMIT: Final = re.compile(r"up to ([\d.]+) kPa")
 
 
@@ -47,15 +47,15 @@ class CaseResult:
 
     case: Case
     folder: Path = Path()
-    scene_if_run: Scene | None = None
+    scene_if_run: BellowsScene | None = None
     axisymmetric: tuple[Run, ...] = ()
     sector: tuple[Run, ...] = ()
     full3d: tuple[Run, ...] = ()
     rows: tuple[Row, ...] = ()
 
     @property
-    def scene(self) -> Scene:
-        """Scene of a case that has been run."""
+    def scene(self) -> BellowsScene:
+        """BellowsScene of a case that has been run."""
         assert self.scene_if_run is not None
         return self.scene_if_run
 
@@ -133,20 +133,21 @@ def read_results(folder: Path, chosen: Iterable[Case]) -> PaperResults:
     for case in chosen:
         place = folder / case.name
         if (place / SCENE_FILE).exists():
-            of = read_scene_folder(place, current=True)
+            of = read_scene_folder(load_bellows(place / SCENE_FILE), place, current=True)
             rows = (*of.rows, *_measured(place, of))
             found.append(CaseResult(case, place, of.scene, of.axisymmetric, of.sector, of.full3d, rows))
     return PaperResults(tuple(found))
 
 
-def _measured(place: Path, result: SceneResult) -> list[Row]:
+def _measured(place: Path, result: SceneResult[BellowsScene]) -> list[Row]:
     """The measured rows of a case; kept beside its runs, for measuring some hundred states takes a minute."""
-    key = content_key([run.summary.content_hash for run in result.axisymmetric], sources=_MEASURING)
+    hashes = [run.summary.content_hash for run in result.axisymmetric]
+    key = content_key(hashes, sources=[Path(inspect.getfile(module)) for module in _MEASURING])
     return kept(
         place / "measured.json",
         key,
         list[Row],
-        lambda: measures.measured_rows(result.scene, result.axisymmetric, place),
+        lambda: measured_rows.measured_rows(result.scene, result.axisymmetric, place),
     )
 
 
@@ -206,7 +207,7 @@ def ending(run: Run) -> str:
 
 def modes(runs: Sequence[Run], pressure_kpa: float = HIGHEST_KPA) -> str:
     """Number of unstable modes of the finest run at a requested pressure (kPa); a dash where it was not counted."""
-    state = requested_state(runs[-1], pressure_kpa) if runs else None
+    state = runs[-1].at(pressure_kpa) if runs else None
     return MISSING if state is None or math.isnan(state.unstable_modes) else f"{state.unstable_modes:.0f}"
 
 

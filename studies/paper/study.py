@@ -16,8 +16,8 @@ import click
 from mpi4py import MPI
 
 from studies.engine import FAULTS, Page, Setting, Solved, Study, farm
-from studies.models.run_log import finished_run
-from studies.models.runs import run_axisymmetric, run_body, run_hash
+from studies.models.axisymmetric import run_axisymmetric
+from studies.models.full3d import run_full3d
 from studies.models.session import SCENE_FILE, run_plan
 from studies.paper import bonds, errors, times, variants
 from studies.paper.bars import bars, misses
@@ -27,12 +27,15 @@ from studies.paper.claims import claims
 from studies.paper.pictures import STATES, draw_all
 from studies.paper.results import CaseResult, PaperResults, read_results
 from studies.paper.summary import in_short, notes, stops
-from studies.planning.plan import BODY_LEVELS, SECTOR_LEVELS, make_plan
+from studies.planning.bellows import SECTOR_LEVELS, plan_bellows
+from studies.planning.levels import BODY_MERIDIANS
 from studies.report import scene_tables
 from studies.report.numbers import duration
 from studies.report.scene_report import SceneReport
 from studies.report.tables import Table, facts_table
-from studies.scene.bellows import Scene, load_scene
+from studies.results.runs import finished_run, run_hash
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
 
 # Cells round the four actuators' bodies: they leave 0.05 % at most there (docs/decisions.md), less than the error model
 # takes for any bellows.
@@ -73,9 +76,9 @@ def write_scenes(folder: Path, chosen: Sequence[Case]) -> None:
             file.write_text(text, encoding="utf-8")
 
 
-def scene_of(folder: Path, case: Case) -> Scene:
+def scene_of(folder: Path, case: Case) -> BellowsScene:
     """The scene of a case whose file has been written."""
-    return load_scene(folder / case.name / SCENE_FILE)
+    return load_bellows(folder / case.name / SCENE_FILE)
 
 
 def _run_alike(same: Sequence[tuple[Case, int]], at: Setting) -> str:
@@ -102,13 +105,13 @@ def solve(case: Case, at: Setting) -> None:
     if case.group == "audit":
         level = AUDIT_BODY_LEVEL
         base = place / f"axisymmetric-r{level.meridian}"
-        run_body(scene, "full3d", level, base, place / f"full3d-{level.name}", at.comm, at.progress, ())
+        run_full3d(scene, "full3d", level, base, place / f"full3d-{level.name}", at.comm, at.progress, ())
         return
     if case.group == "core":
-        plan = make_plan(scene, "full3d", CORE_AROUND, SECTOR_LEVELS, every_level=True)
+        plan = plan_bellows(scene, "full3d", CORE_AROUND, SECTOR_LEVELS, every_level=True)
     else:  # beside those, for other elements or a count of modes; finer takes up to 10 GB
-        plan = make_plan(scene, "full3d", (), (), every_level=True)
-        plan = dataclasses.replace(plan, body_levels=BODY_LEVELS[:1])
+        plan = plan_bellows(scene, "full3d", (), (), every_level=True)
+        plan = dataclasses.replace(plan, body_levels=BODY_MERIDIANS[:1])
     run_plan(scene, case_text(case), plan, place, at.comm, at.progress)
 
 

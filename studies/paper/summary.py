@@ -14,7 +14,7 @@ from studies.paper.variants import REFERENCE_RING, nearer, readings
 from studies.paper.verdicts import HOLDS, UNDECIDED
 from studies.report.labels import model_label, run_label
 from studies.report.numbers import MISSING, signed
-from studies.results.compare import validity_notes
+from studies.results.closed_form_rows import validity_notes
 from studies.results.rows import FOLDED_BACK, REACHED, Row, difference_percent
 
 _NAMES_SHOWN = 4

@@ -7,8 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Final
 
 from analytical.bellows.paper import PRINTED, PaperActuator
-from studies.closed_form.tables import SILICONES, STRETCH_AT_BREAK
-from studies.models.run_log import Run
+from studies.closed_form.chains import SILICONES, STRETCH_AT_BREAK
 from studies.paper.cases import (
     HIGHEST_KPA,
     PRESSURES_KPA,
@@ -32,6 +31,7 @@ from studies.report.labels import TIP_FORCE, run_label
 from studies.report.numbers import MISSING, count, difference_text, measured_text, number_text, short_time, value_text
 from studies.report.tables import Table, table_of
 from studies.results.rows import Row
+from studies.results.runs import Run
 
 REFERENCE_RING: Final = "ring-pla"
 

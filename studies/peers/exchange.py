@@ -20,7 +20,8 @@ from meshes.revolve import revolve
 from meshes.solid import FACETS, REGIONS, FloatArray, IntArray, SolidMesh
 from meshes.sweep import revolve_hexahedra
 from studies.models.build import Tip
-from studies.scene.bellows import Scene, law_of, ring_material, ring_shape, shape_of
+from studies.scene.bellows import BellowsScene, ring_material, ring_shape, shape_of
+from studies.scene.materials import law_of
 
 Cells = Literal["tri6", "quad9", "tet10", "hex27"]
 # Cells through the height of a ring block.
@@ -43,7 +44,7 @@ class Level:
         return f"{self.cells}-" + (f"n{self.around}" if self.around else "") + f"r{self.meridian}"
 
 
-def peer_mesh(scene: Scene, level: Level) -> SolidMesh:
+def peer_mesh(scene: BellowsScene, level: Level) -> SolidMesh:
     """The mesh of a scene with meshed rings.
 
     Raises
@@ -150,7 +151,7 @@ def facet_nodes(mesh: SolidMesh, cells: Cells, tag: int) -> tuple[IntArray, IntA
     return every.reshape(-1, faces.shape[1])[hit], hit // len(faces)
 
 
-def write_peer_mesh(scene: Scene, level: Level, path: Path) -> SolidMesh:
+def write_peer_mesh(scene: BellowsScene, level: Level, path: Path) -> SolidMesh:
     """Write the mesh, its load and its materials as an .npz.
 
     Arrays: ``points`` (mm), ``cells`` (basix order, positive volumes), ``regions`` (1 silicone, 2 ring),
@@ -230,7 +231,7 @@ def _outward(mesh: SolidMesh, facets: IntArray, owners: IntArray) -> IntArray:
     return turned
 
 
-def tip_weights(scene: Scene, mesh: SolidMesh) -> tuple[IntArray, FloatArray]:
+def tip_weights(scene: BellowsScene, mesh: SolidMesh) -> tuple[IntArray, FloatArray]:
     """Nodes and weights whose sum with the axial displacements is ``tip_mm`` as this program defines it."""
     tip = Tip(scene, mesh)
     facets, weight = tip._facets, tip._weight

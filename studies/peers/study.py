@@ -27,14 +27,15 @@ import click
 from mpi4py import MPI
 
 from studies import launch
-from studies.models.runs import run_axisymmetric
+from studies.models.axisymmetric import run_axisymmetric
 from studies.peers import environment
 from studies.peers.exchange import Cells, Level, write_peer_mesh
 from studies.peers.fronts import Point, floored, lasting, ratio_at_equal_error, ratio_to_fastest
 from studies.progress import Progress
 from studies.results import provenance
 from studies.results.rows import REACHED, Row, row, write_rows
-from studies.scene.bellows import Scene, load_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
 
 SCENE = provenance.ROOT / "scenes" / "peers" / "bellows.toml"
 SCRIPTS = provenance.ROOT / "studies" / "peers"
@@ -207,7 +208,7 @@ class Study:
         Time limit of a run, s.
     """
 
-    def __init__(self, scene: Scene, scene_text: str, out: Path, limit_s: float = TIME_LIMIT_S) -> None:
+    def __init__(self, scene: BellowsScene, scene_text: str, out: Path, limit_s: float = TIME_LIMIT_S) -> None:
         self.scene, self.text, self.out, self.limit_s = scene, scene_text, out, limit_s
         (out / "measured").mkdir(parents=True, exist_ok=True)
 
@@ -466,7 +467,7 @@ def _known(ratio: float) -> str:
     return "not measured: no run of ours or of a peer" if math.isnan(ratio) else REACHED
 
 
-def reference_tip(scene: Scene, out: Path) -> tuple[float, float]:
+def reference_tip(scene: BellowsScene, out: Path) -> tuple[float, float]:
     """The tip on the finest meridian with meshed rings, mm, and how much it differs from the one before, percent."""
     comm = MPI.COMM_WORLD
     tips = []
@@ -502,7 +503,7 @@ def main(
     """Measure the peers and this program on scenes/peers/bellows.toml; write rows.csv."""
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that a run on its way is ended too
     begin = time.perf_counter()
-    scene = load_scene(SCENE)
+    scene = load_bellows(SCENE)
     study = Study(scene, SCENE.read_text(encoding="utf-8"), out, limit)
     reference, spread = reference_tip(scene, out)
     click.echo(f"reference: {reference:.5f} mm, {spread:.4f} % from the mesh before")

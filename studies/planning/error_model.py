@@ -14,15 +14,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from meshes.cells import CellKind
-from meshes.meridian import default_resolution, meridian_mesh
-from studies.planning.levels import BodyLevel, body_level, fineness
-from studies.scene.bellows import Scene, in_hexahedra, law_of, shape_of
+from meshes.meridian import meridian_mesh
+from studies.planning.levels import BODY_MERIDIANS, MERIDIANS, BodyLevel, Model, body_level, fineness
+from studies.scene.bellows import BellowsScene, in_hexahedra, shape_of
+from studies.scene.materials import law_of
+from studies.scene.meshes import cell_kind, scene_resolution
 
 Cells = Literal["hex", "tet"]
-Model = Literal["axisymmetric", "sector", "full3d"]
-# Meridian levels the model knows, coarsest first.
-LEVELS = (1, 2, 4)
 # The training set has no more convolutions than this.
 LONGEST = 3
 # Errors are not told apart below this, percent: so much do bonds, steps and the reference's extrapolation leave.
@@ -133,12 +131,12 @@ SECONDS: dict[tuple[Model, Cells], Seconds] = {
 }
 
 
-def cells_of(scene: Scene) -> Cells:
+def cells_of(scene: BellowsScene) -> Cells:
     """``hex`` for quadrilaterals and hexahedra, ``tet`` for triangles and tetrahedra."""
     return "hex" if in_hexahedra(scene) else "tet"
 
 
-def features(scene: Scene) -> tuple[float, ...]:
+def features(scene: BellowsScene) -> tuple[float, ...]:
     """Logarithms of what the meridian's error depends on.
 
     Wall over root radius; fillet over wall; depth of the fold over wall; highest pressure over shear modulus times wall
@@ -152,20 +150,20 @@ def features(scene: Scene) -> tuple[float, ...]:
         math.log(g.fillet_mm / g.wall_mm),
         math.log((g.crest_radius_mm - g.root_radius_mm) / g.wall_mm),
         math.log(scene.load.pressure_kpa[-1] * g.crest_radius_mm / (mu_kpa * g.wall_mm)),
-        math.log(default_resolution(shape_of(scene), 1, _kind(scene)).through),
+        math.log(scene_resolution(scene, 1).through),
         math.log(min(g.convolutions, LONGEST)),
         float(scene.material.law == "ogden"),
     )
 
 
-def meridian_error_percent(scene: Scene, level: int) -> float:
+def meridian_error_percent(scene: BellowsScene, level: int) -> float:
     """Predicted error that a meridian leaves at the tip, percent: the largest over the requested pressures."""
     fit = FITS[cells_of(scene)]
     power = sum(s * (x - c) for s, x, c in zip(fit.slopes, features(scene), fit.centre, strict=True))
-    return max(FLOOR_PERCENT, math.exp(fit.constants[LEVELS.index(level)] + power))
+    return max(FLOOR_PERCENT, math.exp(fit.constants[MERIDIANS.index(level)] + power))
 
 
-def predicted_error_percent(scene: Scene, model: Model, level: str) -> float:
+def predicted_error_percent(scene: BellowsScene, model: Model, level: str) -> float:
     """Predicted error of a run at the tip, percent: the largest over the requested pressures.
 
     Parameters
@@ -173,7 +171,7 @@ def predicted_error_percent(scene: Scene, model: Model, level: str) -> float:
     scene
         A bellows.
     model, level
-        For instance ``axisymmetric`` and ``r2``, ``full3d`` and ``n8r2``; meridians of `LEVELS` only.
+        For instance ``axisymmetric`` and ``r2``, ``full3d`` and ``n8r2``; meridians of `MERIDIANS` only.
     """
     if model == "axisymmetric":
         return meridian_error_percent(scene, fineness(level))
@@ -192,18 +190,17 @@ def checked_error_percent(cells: Cells, level: int, value_mm: Sequence[float], o
         Tips at the requested pressures on this level, and on the one before; of the first level, on the second. NaN
         where one was not reached.
     """
-    ratio = FITS[cells].ratios[LEVELS.index(level)]
+    ratio = FITS[cells].ratios[MERIDIANS.index(level)]
     pairs = [(v, o) for v, o in zip(value_mm, other_mm, strict=True) if math.isfinite(v) and math.isfinite(o) and v]
     return max([FLOOR_PERCENT, *(100.0 * ratio * abs((v - o) / v) for v, o in pairs)])
 
 
-def predicted_unknowns(scene: Scene, model: Model, level: str) -> float:
+def predicted_unknowns(scene: BellowsScene, model: Model, level: str) -> float:
     """How many unknowns a run has, to some percent; meshed rings and what meets on the axis are not counted apart."""
     body = None if model == "axisymmetric" else body_level(level)
     refinement = fineness(level) if body is None else body.meridian
-    shape, kind = shape_of(scene), _kind(scene)
-    resolution = default_resolution(shape, 1, kind)
-    cells = len(meridian_mesh(shape, resolution, None, kind).cells) // (1 if kind == "quadrilaterals" else 2)
+    kind, resolution = cell_kind(scene), scene_resolution(scene, 1)
+    cells = len(meridian_mesh(shape_of(scene), resolution, None, kind).cells) // (1 if kind == "quadrilaterals" else 2)
     through, along = resolution.through * refinement, cells // resolution.through * refinement
     around = 0.5 if body is None else body.around / (4 if model == "sector" else 1)
     displacements = (2 if body is None else 3) * (2 * through + 1) * (2 * along + 1) * 2.0 * around
@@ -212,18 +209,18 @@ def predicted_unknowns(scene: Scene, model: Model, level: str) -> float:
     return displacements + (through + 1) * (along + 1) * (1 if body is None else around)
 
 
-def predicted_seconds(scene: Scene, model: Model, level: str) -> float:
+def predicted_seconds(scene: BellowsScene, model: Model, level: str) -> float:
     """Predicted wall seconds without start and imports, two cores; of a body with its axisymmetric start."""
     return SECONDS[model, cells_of(scene)].at(predicted_unknowns(scene, model, level))
 
 
-def knows(scene: Scene) -> bool:
+def knows(scene: BellowsScene) -> bool:
     """True if the model is about such a scene: the free tip of a centred bellows under pressure, without a force."""
     plain = not scene.blocked and not scene.load.tip_force_n
     return plain and scene.load.sense > 0.0 and not scene.geometry.eccentricity
 
 
-def around_for(scene: Scene, model: str) -> int:
+def around_for(scene: BellowsScene, model: str) -> int:
     """The smallest of `ROUNDS` that leaves the circumference its share of the scene's tolerance, or the largest."""
     cells = cells_of(scene)
     allowed = AROUND_SHARE * scene.ask.tolerance_percent
@@ -231,15 +228,15 @@ def around_for(scene: Scene, model: str) -> int:
     return next((n for n in shared_out if AROUND[cells].at(n) <= allowed), shared_out[-1])
 
 
-def candidates(scene: Scene, model: Model) -> list[str]:
+def candidates(scene: BellowsScene, model: Model) -> list[str]:
     """Levels of a model that may be chosen, coarsest first."""
     if model == "axisymmetric":
-        return [f"r{level}" for level in LEVELS]
+        return [f"r{level}" for level in MERIDIANS]
     around = around_for(scene, model)
-    return [BodyLevel(around, meridian).name for meridian in LEVELS[:2]]  # bodies on r4 do not fit 24 GB
+    return [BodyLevel(around, meridian).name for meridian in BODY_MERIDIANS]
 
 
-def choose(scene: Scene, model: Model) -> Choice:
+def choose(scene: BellowsScene, model: Model) -> Choice:
     """The quickest level of a model whose predicted error is within the scene's tolerance, or the most exact.
 
     The prediction is the middle of a distribution: whoever uses the choice checks it with `checked_error_percent`.
@@ -256,7 +253,7 @@ def choose(scene: Scene, model: Model) -> Choice:
 
 def meridians_for(choice: Choice) -> tuple[int, int]:
     """Meridian levels to solve: the chosen one's, and the one that checks it."""
-    return (1, 2) if own_meridian(choice) < LEVELS[-1] else (LEVELS[-2], LEVELS[-1])
+    return (1, 2) if own_meridian(choice) < MERIDIANS[-1] else (MERIDIANS[-2], MERIDIANS[-1])
 
 
 def own_meridian(choice: Choice) -> int:
@@ -264,7 +261,7 @@ def own_meridian(choice: Choice) -> int:
     return fineness(choice.level) if choice.model == "axisymmetric" else body_level(choice.level).meridian
 
 
-def explain(scene: Scene, choice: Choice) -> list[str]:
+def explain(scene: BellowsScene, choice: Choice) -> list[str]:
     """Sentences for a terminal: what is expected of a choice, what is left out, and how long that would have taken."""
     tolerance = scene.ask.tolerance_percent
     held = "within" if choice.within else "the best there is for"
@@ -281,7 +278,7 @@ def explain(scene: Scene, choice: Choice) -> list[str]:
         f"checked afterwards by axisymmetric {beside} of this scene (about {_time(seconds)}); finer meshes follow only "
         "if the check fails"
     )
-    left: list[tuple[Model, str]] = [("axisymmetric", f"r{m}") for m in LEVELS if m not in solved]
+    left: list[tuple[Model, str]] = [("axisymmetric", f"r{m}") for m in MERIDIANS if m not in solved]
     left += [(choice.model, level) for level in candidates(scene, choice.model) if choice.model != "axisymmetric"]
     left += [("full3d", choose(scene, "full3d").level)] if choice.model == "axisymmetric" else []
     for model, level in left:
@@ -294,7 +291,3 @@ def explain(scene: Scene, choice: Choice) -> list[str]:
 
 def _time(seconds: float) -> str:
     return f"{seconds:.1f} s" if seconds < 120.0 else f"{seconds / 60.0:.1f} min"
-
-
-def _kind(scene: Scene) -> CellKind:
-    return "quadrilaterals" if in_hexahedra(scene) else "triangles"

@@ -1,9 +1,20 @@
-"""Names of meshes: ``r4`` is a meridian refined four times, ``n8r2`` a body with 8 cells round made from ``r2``."""
+"""Models and names of their meshes: ``r4`` is a meridian refined four times, ``n8r2`` a body with 8 cells round on r2.
+
+In a name r refines the meridian and n is the number of cells round the whole circumference (of a cube: along an edge).
+"""
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from typing import Literal
+
+Model = Literal["closed_form", "axisymmetric", "sector", "full3d"]
+MODELS: tuple[Model, ...] = ("closed_form", "axisymmetric", "sector", "full3d")
+# Refinements of a meridian for the error estimate, coarsest first.
+MERIDIANS = (1, 2, 4)
+# Meridians that bodies are made from: those on r4 would not fit the machines this is meant for (24 GB).
+BODY_MERIDIANS = (1, 2)
 
 
 @dataclass(frozen=True)

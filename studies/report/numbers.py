@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 from studies.results.rows import REACHED, Row, difference_percent
 
-MISSING = "–"
+MISSING, MINUS = "–", "\N{MINUS SIGN}"
 
 # How the value of a quantity is written; the others with four digits. The # keeps zeros that end a number.
 FORMATS: Mapping[str, str] = {"unstable_modes": ".0f", "min_det_f": "#.3g"}
@@ -59,14 +59,14 @@ def number_text(value: float, form: str = ".4g", missing: str = MISSING) -> str:
     return missing if math.isnan(value) else format(value, form)
 
 
+def typeset(value: float, form: str, missing: str = MISSING) -> str:
+    """A number as `number_text` writes it, with a minus sign that is as long as a plus; no exponents."""
+    return number_text(value, form, missing).replace("-", MINUS)
+
+
 def signed(percent: float) -> str:
     """A percentage with its sign and as many decimals as it deserves."""
-    return signed_number(percent, 2 if abs(percent) < 1.0 else 1)
-
-
-def signed_number(value: float, decimals: int = 2) -> str:
-    """A number with its sign; a dash for NaN."""
-    return f"{value:+.{decimals}f}".replace("-", "\N{MINUS SIGN}") if math.isfinite(value) else MISSING
+    return typeset(percent, "+.2f" if abs(percent) < 1.0 else "+.1f")
 
 
 def measured_text(row: Row) -> str:
@@ -81,10 +81,10 @@ def measured_text(row: Row) -> str:
 
 def difference_text(row: Row, reference: Row, decimals: int = 2) -> str:
     """Signed difference of two rows in their unit, and in percent of the second; a dash where one has no number."""
-    if not math.isfinite(row.value - reference.value) or reference.value == 0.0:
+    gap = row.value - reference.value
+    if not math.isfinite(gap) or reference.value == 0.0:
         return MISSING
-    percent = signed(difference_percent(row.value, reference.value))
-    return f"{signed_number(row.value - reference.value, decimals)} ({percent} %)"
+    return f"{typeset(gap, f'+.{decimals}f')} ({signed(difference_percent(row.value, reference.value))} %)"
 
 
 def up(value: float, decimals: int) -> str:

@@ -8,20 +8,19 @@ from pathlib import Path
 import numpy as np
 
 from meshes.bellows import FloatArray
-from studies.models.run_log import field_files
 from studies.models.session import SCENE_FILE, read_scene_folder
 from studies.report.pictures.stills import RingBox
 from studies.report.scene_report import SceneReport
 from studies.report.scenes import write_report
 from studies.results import provenance
-from studies.results.compare import validity_notes
-from studies.results.files import PathRow
-from studies.results.states import load_state
-from studies.scene.bellows import Scene, shape_of
+from studies.results.closed_form_rows import validity_notes
+from studies.results.files import PathRow, field_files, load_state
+from studies.scene.bellows import BellowsScene, shape_of
+from studies.scene.files import load_bellows
 
 
 def ring_boxes(
-    scene: Scene, run: Path, content_hash: str, pressures_kpa: Sequence[float]
+    scene: BellowsScene, run: Path, content_hash: str, pressures_kpa: Sequence[float]
 ) -> dict[float, tuple[RingBox, ...]]:
     """Where the rigid rings are at each pressure (kPa; 0 is unloaded), from the kept states."""
     if scene.rings.model != "rigid":
@@ -47,8 +46,8 @@ def render_scenes(folder: Path, title: str, introduction: str, scene_folders: Se
     reports = []
     total = 0.0
     for scene_folder in scene_folders:
-        result = read_scene_folder(scene_folder)
-        runs = [*result.axisymmetric, *result.sector, *result.full3d]
+        result = read_scene_folder(load_bellows(scene_folder / SCENE_FILE), scene_folder)
+        runs = result.runs
         total += sum(run.summary.time_s["total"] for run in runs)
         paths: dict[str, list[PathRow]] = {f"{run.summary.model} {run.summary.level}": list(run.path) for run in runs}
         fields: dict[float, Path] = {}

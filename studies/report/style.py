@@ -12,7 +12,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import FuncFormatter
 
 DPI = 150
 
@@ -54,13 +53,14 @@ RIGID_COLOUR, RIGID_EDGE = "#d8d8d8", "#303030"
 RIGID: dict[str, Any] = {"facecolor": RIGID_COLOUR, "edgecolor": RIGID_EDGE, "linewidth": 0.8}
 # A line that is read over whatever lies below it.
 HALO = [withStroke(linewidth=3.0, foreground="white")]
-# Where a legend stands: beside the axes; below or above all axes of a figure.
+# Where a legend stands: beside or inside axes; below or above all axes of a figure.
 BESIDE: dict[str, Any] = {
     "loc": "upper left",
     "bbox_to_anchor": (1.01, 1.0),
     "borderaxespad": 0.0,
     "frameon": False,
 }
+INSIDE: dict[str, Any] = {"frameon": False}
 BELOW: dict[str, Any] = {"loc": "outside lower center", "frameon": False}
 ABOVE: dict[str, Any] = {"loc": "outside upper center", "frameon": False}
 
@@ -89,14 +89,6 @@ def grid(axes: Axes, axis: Literal["both", "x", "y"] = "both", which: Literal["m
     """A pale grid behind everything."""
     axes.grid(axis=axis, which=which, color="#e4e4e4")
     axes.set_axisbelow(True)
-
-
-def logarithmic(axes: Axes, *directions: Literal["x", "y"]) -> None:
-    """Logarithmic axes with plain numbers at their ticks."""
-    for direction in directions:
-        axis = {"x": axes.xaxis, "y": axes.yaxis}[direction]
-        axes.set(**{f"{direction}scale": "log"})
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 @contextmanager

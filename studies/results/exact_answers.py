@@ -10,8 +10,7 @@ from analytical.exact.cube import CubeError
 from analytical.exact.ring import RingError
 from analytical.exact.sphere import SphereError
 from analytical.exact.tube import TubeError
-from studies.scene.bellows import GuccioneMaterial, NeoHookeMaterial, inverse_kappa, law_of
-from studies.scene.bodies import ExactScene
+from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import (
     CookGeometry,
     CylinderGeometry,
@@ -20,6 +19,7 @@ from studies.scene.body_geometry import (
     TubeGeometry,
     VentricleGeometry,
 )
+from studies.scene.materials import GuccioneMaterial, NeoHookeMaterial, inverse_kappa, law_of
 
 Answer = tuple[float, str]
 NONE: Answer = (math.nan, "")
@@ -46,7 +46,7 @@ LAND_SOURCE = "published: Land et al. 2015, problem 2 (about; the groups differ 
 LAND_APEX_MM = {"apex_inside_mm": -26.6}
 
 
-def known_value(scene: ExactScene, quantity: str, load_kpa: float) -> Answer:
+def known_value(scene: BodyScene, quantity: str, load_kpa: float) -> Answer:
     """What is known of a quantity at a load, in its unit, and where it comes from: exact, published, or refined."""
     g = scene.geometry
     if quantity == "bore_mm":
@@ -62,7 +62,7 @@ def known_value(scene: ExactScene, quantity: str, load_kpa: float) -> Answer:
     return NONE
 
 
-def exact_bore_mm(scene: ExactScene, load_kpa: float) -> Answer:
+def exact_bore_mm(scene: BodyScene, load_kpa: float) -> Answer:
     """Radial displacement of the bore at a load, mm, and where it comes from; of a ring, while it is round."""
     g, load = scene.geometry, 1e-3 * load_kpa
     try:
@@ -78,7 +78,7 @@ def exact_bore_mm(scene: ExactScene, load_kpa: float) -> Answer:
     return NONE
 
 
-def _tube_bore(scene: ExactScene, body: tube.Tube, ends: str, load: float) -> Answer:
+def _tube_bore(scene: BodyScene, body: tube.Tube, ends: str, load: float) -> Answer:
     law, softness = law_of(scene.material), inverse_kappa(scene.material)
     if ends == "capped":
         if softness > 0.0:
@@ -92,7 +92,7 @@ def _tube_bore(scene: ExactScene, body: tube.Tube, ends: str, load: float) -> An
     return inner - body.inner_radius_mm, "exact: tube in plane strain"
 
 
-def _sphere_bore(scene: ExactScene, body: sphere.Sphere, load: float) -> Answer:
+def _sphere_bore(scene: BodyScene, body: sphere.Sphere, load: float) -> Answer:
     law, softness = law_of(scene.material), inverse_kappa(scene.material)
     if softness > 0.0:
         found = compressible.state_at_pressure(body, law, 1.0 / softness, load)
@@ -100,14 +100,14 @@ def _sphere_bore(scene: ExactScene, body: sphere.Sphere, load: float) -> Answer:
     return sphere.inner_radius_at_pressure_mm(body, law, load) - body.inner_radius_mm, "exact: sphere"
 
 
-def _ring_bore(scene: ExactScene, body: tube.Tube, load: float) -> Answer:
+def _ring_bore(scene: BodyScene, body: tube.Tube, load: float) -> Answer:
     """The round ring; its pressure counts per deformed area if it follows, per undeformed area if it is dead."""
     law = law_of(scene.material)
     if inverse_kappa(scene.material) > 0.0:
         return NONE
 
     def outside(inner_mm: float) -> float:
-        """Pressure outside, negative as in analytical.exact.tube, as it is given in the scene."""
+        """Pressure outside, negative as in analytical.tube, as it is given in the scene."""
         pressure = tube.pressure_at_inner_radius_mpa(body, law, inner_mm)
         if scene.load_kind == "external":
             return pressure
@@ -119,7 +119,7 @@ def _ring_bore(scene: ExactScene, body: tube.Tube, load: float) -> Answer:
     return (math.nan, "") if inner is None else (inner - start, "exact: round ring in plane strain")
 
 
-def exact_crossing_kpa(scene: ExactScene) -> Answer:
+def exact_crossing_kpa(scene: BodyScene) -> Answer:
     """Load at which stability is lost, kPa as in the scene, and where it comes from."""
     g, law = scene.geometry, law_of(scene.material)
     if inverse_kappa(scene.material) > 0.0:

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-import csv
+import io
 import json
-import math
-from collections.abc import Callable, Iterable
+import zipfile
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
-from solvers.files import write_atomically
+import numpy as np
 
-PATH_FILE, SUMMARY_FILE, FIELDS_FOLDER = "path.csv", "summary.json", "fields"
+from solvers.files import write_atomically
+from solvers.state import State
+from studies.results.records import read_records, write_records
+
+PATH_FILE, SUMMARY_FILE, STATES_FOLDER, FIELDS_FOLDER = "path.csv", "summary.json", "states", "fields"
 
 
 @dataclass(frozen=True)
@@ -113,18 +117,12 @@ def write_text_atomically(path: Path, text: str) -> None:
 
 def write_path(folder: Path, rows: Iterable[PathRow]) -> None:
     """Write path.csv."""
-    lines = [",".join(PATH_COLUMNS)]
-    for row in rows:
-        lines.append(",".join(_text(getattr(row, name)) for name in PATH_COLUMNS))
-    write_text_atomically(folder / PATH_FILE, "\n".join(lines) + "\n")
+    write_records(folder / PATH_FILE, PathRow, rows, 12)
 
 
 def read_path(folder: Path) -> list[PathRow]:
     """Read path.csv."""
-    kinds: dict[str, Callable[[str], Any]] = {"float": _number, "int": int, "str": str}
-    convert = {f.name: kinds[str(f.type)] for f in fields(PathRow)}
-    with (folder / PATH_FILE).open(newline="", encoding="utf-8") as stream:
-        rows = [PathRow(**{k: convert[k](v) for k, v in entry.items()}) for entry in csv.DictReader(stream)]
+    rows = read_records(folder / PATH_FILE, PathRow)
     # ``asked`` is the status's name before 0.2
     return [replace(row, status="requested") if row.status == "asked" else row for row in rows]
 
@@ -142,11 +140,48 @@ def read_summary(folder: Path) -> RunSummary:
     return RunSummary(**{**data, "plan": tuple(data["plan"])})
 
 
-def _number(text: str) -> float:
-    return float(text) if text else math.nan
+# --- states and fields --------------------------------------------------------------------------------------
 
 
-def _text(value: float | int | str) -> str:
-    if isinstance(value, float):
-        return "" if math.isnan(value) else f"{value:.12g}"
-    return str(value)
+def _state_file(folder: Path, pressure_mpa: float) -> Path:
+    return folder / STATES_FOLDER / f"p{1e3 * abs(pressure_mpa):09.4f}.npz"
+
+
+def save_state(folder: Path, content_hash: str, state: State, row: PathRow) -> None:
+    """Write a state and its row of figures atomically."""
+    buffer = io.BytesIO()
+    np.savez(buffer, **asdict(state), row=json.dumps(asdict(row)), content_hash=content_hash)
+    write_atomically(_state_file(folder, state.load_mpa), buffer.getvalue())
+
+
+def load_state(folder: Path, content_hash: str, pressure_mpa: float) -> tuple[State, PathRow] | None:
+    """A saved state, or None if it is missing, damaged or of another content."""
+    try:
+        with np.load(_state_file(folder, pressure_mpa), allow_pickle=False) as data:
+            if str(data["content_hash"]) != content_hash:
+                return None
+            state = State(data["displacement_mm"], data["pressure_mpa"], data["bodies_mm"], float(data["load_mpa"]))
+            return state, PathRow(**json.loads(str(data["row"])))
+    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile):
+        return None
+
+
+def field_file(folder: Path, pressure_mpa: float) -> Path:
+    """Where a run's fields at a load are."""
+    return folder / FIELDS_FOLDER / f"p{1e3 * abs(pressure_mpa):06.3f}.vtu"
+
+
+def field_files(folder: Path, pressures_kpa: Sequence[float]) -> dict[float, Path]:
+    """The field files a run has written, by pressure in kPa."""
+    files = {p: field_file(folder, 1e-3 * p) for p in pressures_kpa}
+    return {p: f for p, f in files.items() if f.exists()}
+
+
+def write_collection(folder: Path, pressures_kpa: Sequence[float]) -> None:
+    """A ParaView collection over the pressures."""
+    entries = "".join(
+        f'<DataSet timestep="{p:g}" file="{f.relative_to(folder)}"/>'
+        for p, f in field_files(folder, pressures_kpa).items()
+    )
+    text = f'<?xml version="1.0"?><VTKFile type="Collection" version="0.1"><Collection>{entries}</Collection></VTKFile>'
+    write_text_atomically(folder / "fields.pvd", text)

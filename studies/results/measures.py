@@ -1,6 +1,6 @@
 """The closed form's assumptions, measured in the axisymmetric states of a scene.
 
-What a state is measured for, and beside it what the closed form (`bellows.chains`, corrected chain) says of the same:
+What a state is measured for, and what the closed form (`analytical.chains`, corrected chain) says of the same:
 
 ============================  ====  ===================================================================================
 ``root_stretch_outer``        1     hoop stretch of the roots' outside at their throat; the model's lambda_y
@@ -20,29 +20,19 @@ Stretches of the wall are those of its mid-surface. All but the peaks are means 
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 from scipy.spatial import cKDTree
 
-from analytical.bellows.chains import closed_form
-from analytical.bellows.dimensions import BellowsError
-from analytical.bellows.loads import held_tip
 from meshes.cells import QUADRILATERAL_NODES, TRIANGLE_EDGES, CellKind, CellShape
 from meshes.meridian import Band, bellows_band, default_resolution
 from meshes.solid import REGIONS, FloatArray, IntArray
 from solvers.state import State
-from studies.models.build import scene_meridian
-from studies.models.run_log import Run
-from studies.results.compare import MERIDIAN_ORDER, run_convergence
-from studies.results.rows import Row, row
-from studies.results.states import load_state
-from studies.scene.bellows import Scene, dimensions_of, in_hexahedra, law_of, shape_of
+from studies.scene.bellows import BellowsScene, in_hexahedra, shape_of
+from studies.scene.meshes import scene_meridian
 
 UNITS = {
     "root_stretch_outer": "1",
@@ -104,7 +94,7 @@ class Places:
         return f"{'cap' if kind == 'corner' else kind}, {('cavity side', 'middle', 'outside')[depth]}"
 
 
-def find_places(scene: Scene, refinement: int) -> Places:
+def find_places(scene: BellowsScene, refinement: int) -> Places:
     """Mesh the meridian of a scene at a refinement and find the places in it."""
     shape, mesh = shape_of(scene), scene_meridian(scene, refinement)
     cells: CellKind = "quadrilaterals" if in_hexahedra(scene) else "triangles"
@@ -158,7 +148,7 @@ class Measured:
     peak_in: Mapping[str, str]
 
 
-def measure(scene: Scene, places: Places, state: State) -> Measured:
+def measure(scene: BellowsScene, places: Places, state: State) -> Measured:
     """Measure an axisymmetric state; what a scene without (rigid) rings does not have is left out."""
     u = state.displacement_mm
     hoop = hoop_stretches(places.points, u)
@@ -253,124 +243,3 @@ def curve_length(points: FloatArray) -> FloatArray:
 def mean_along(values: FloatArray) -> FloatArray:
     """Mean along lines of equally long quadratic pieces, shape (..., 2 m + 1) -> (...)."""
     return np.asarray((values[..., :-2:2] + 4.0 * values[..., 1:-1:2] + values[..., 2::2]).mean(axis=-1) / 6.0)
-
-
-def unfolding_pressure(pressures_kpa: Sequence[float], bulges_mm: Sequence[float], fold_mm: float) -> float:
-    """Pressure at which a bulge, 0 without pressure, first reaches the depth of the folds, kPa; NaN if it does not.
-
-    Between the pressures the bulge is interpolated monotonically (PCHIP); the answer is between the two that enclose
-    it whatever the interpolation. On the reference actuators steps of 2.5 and of 5 kPa differ by 0.5 % at most.
-    """
-    if not pressures_kpa:
-        return math.nan
-    bulge = PchipInterpolator([0.0, *pressures_kpa], [0.0, *bulges_mm])
-    return min((float(p) for p in bulge.solve(fold_mm, extrapolate=False)), default=math.nan)
-
-
-def model_values(scene: Scene, pressure_kpa: float) -> dict[str, float]:
-    """What the closed form says of the measured quantities, as far as it says anything.
-
-    At a blocked tip its roots open as at a free one; with a force on the tip it does not know the wall's stretch.
-    """
-    dimensions, law = dimensions_of(scene), law_of(scene.material)
-    try:
-        free = closed_form(dimensions, law, pressure_kpa)
-        wall = held_tip(dimensions, law, pressure_kpa).wall_stretch if scene.blocked else free.wall_stretch
-    except BellowsError:
-        return {}
-    outer, inner = float(free.root_stretch[0]), float(free.root_inner_stretch[0])
-    found = {
-        "root_stretch_outer": outer,
-        "root_stretch_inner": inner,
-        "root_bulge_mm": (outer - 1.0) * (dimensions.root_radius_mm + dimensions.wall_mm),
-        "wall_hoop_stretch_middle": 1.0,
-        "ring_hoop_stretch": 1.0,
-        "unfolding_kpa": float(free.unfolding_pressure_kpa[0]),
-    }
-    if not scene.load.tip_force_n:
-        largest = max(inner, float(wall[0]))
-        found |= {"wall_stretch": float(wall[0]), "peak_stretch": largest, "peak_stretch_away": largest}
-    return found
-
-
-@dataclass(frozen=True)
-class _Entry:
-    """A run's value of a quantity."""
-
-    run: Run
-    value: float
-    status: str = "reached"
-    place: str = ""
-
-
-def measured_rows(scene: Scene, runs: Sequence[Run], folder: Path) -> list[Row]:
-    """Rows of what the states of a scene's axisymmetric runs were measured for, beside the closed form's values.
-
-    Parameters
-    ----------
-    runs
-        Coarsest first; their saved states are in ``folder / "axisymmetric-<level>"``.
-
-    Returns
-    -------
-    list of Row
-        For each requested pressure that any level reached; then ``unfolding_kpa`` without a pressure, NaN with its
-        status where the highest requested state is short of it. The uncertainty is that of the meshes; that of
-        interpolating ``unfolding_kpa`` between the requested pressures comes on top. Errors are against the finest
-        level that has the value. Of that level's own peaks, which are compared with nothing, ``source`` says where
-        they are.
-    """
-    states = [_measured_run(scene, run, folder) for run in runs]
-    rows = []
-    for pressure in scene.load.pressure_kpa:
-        model = model_values(scene, pressure)
-        for quantity in UNITS:
-            found = [
-                _Entry(run, at[pressure].values[quantity], place=at[pressure].peak_in.get(quantity, ""))
-                for run, at in zip(runs, states, strict=True)
-                if pressure in at and quantity in at[pressure].values
-            ]
-            rows += _compared(scene.name, quantity, UNITS[quantity], pressure, found, model.get(quantity))
-    unfolding = [_unfolding(scene, run, at) for run, at in zip(runs, states, strict=True)]
-    model = model_values(scene, scene.load.pressure_kpa[0])
-    return rows + _compared(scene.name, "unfolding_kpa", "kPa", math.nan, unfolding, model.get("unfolding_kpa"))
-
-
-def _measured_run(scene: Scene, run: Run, folder: Path) -> dict[float, Measured]:
-    """What was measured in a run's states, by requested pressure, kPa."""
-    places = find_places(scene, int(run.summary.level.removeprefix("r")))
-    found = {}
-    for pressure in scene.load.pressure_kpa:
-        saved = load_state(folder / f"axisymmetric-{run.summary.level}", run.summary.content_hash, 1e-3 * pressure)
-        if saved is not None:
-            found[pressure] = measure(scene, places, saved[0])
-    return found
-
-
-def _unfolding(scene: Scene, run: Run, states: Mapping[float, Measured]) -> _Entry:
-    pressures = sorted(states)
-    fold = scene.geometry.crest_radius_mm - scene.geometry.root_radius_mm
-    value = unfolding_pressure(pressures, [states[p].values["root_bulge_mm"] for p in pressures], fold)
-    highest = pressures[-1] if pressures else 0.0
-    return _Entry(run, value, f"not reached up to {highest:g} kPa" if math.isnan(value) else "reached")
-
-
-def _compared(
-    scene: str, quantity: str, unit: str, pressure: float, found: Sequence[_Entry], model: float | None
-) -> list[Row]:
-    """Rows of a quantity at a pressure: the closed form's, if it has one, and those of the levels."""
-    reached = [entry for entry in found if not math.isnan(entry.value)]
-    finest = reached[-1] if reached else None
-    compared = (finest.value, f"axisymmetric {finest.run.summary.level}") if finest else (math.nan, "")
-    bound = run_convergence([e.run for e in found], [e.value for e in found], MERIDIAN_ORDER)
-    rows = []
-    if found and model is not None:
-        reference, source = compared
-        rows.append(row(scene, quantity, unit, pressure, "closed_form", model, reference=reference, source=source))
-    for entry in found:
-        reference, source = (math.nan, entry.place) if entry is finest else compared
-        rows.append(
-            row(scene, quantity, unit, pressure, "axisymmetric", entry.value, entry.run.summary.level,
-                bound.uncertainty(entry.value), reference, source, entry.status)
-        )  # fmt: skip
-    return rows

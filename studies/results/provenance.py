@@ -87,6 +87,18 @@ def now() -> str:
     return datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC")
 
 
+def stamp(comm: MPI.Comm) -> dict[str, Any]:
+    """Provenance fields of a summary."""
+    return {
+        "versions": versions(),
+        "blas": blas(),
+        "ranks": comm.size,
+        "threads": blas_threads(),
+        "commit": commit(),
+        "when": now(),
+    }
+
+
 @functools.cache
 def code_hash() -> str:
     """Hash of the sources that decide a finite element run's numbers, so that results of other code are not reused.
@@ -97,16 +109,19 @@ def code_hash() -> str:
     folders = ("meshes", "solvers", "analytical/laws")
     files = sorted(p for folder in folders for p in (ROOT / folder).rglob("*.py"))
     studies = (
+        "models/axisymmetric.py",
+        "models/body.py",
+        "models/body_problem.py",
         "models/build.py",
         "models/contact.py",
+        "models/full3d.py",
         "models/gaps.py",
         "models/modes.py",
         "models/run_log.py",
-        "models/runs.py",
         "scene/bellows.py",
-        "models/body_problem.py",
-        "models/body_run.py",
         "scene/bodies.py",
+        "scene/materials.py",
+        "scene/meshes.py",
     )
     for path in [*files, *(ROOT / "studies" / name for name in studies)]:
         digest.update(path.read_bytes())

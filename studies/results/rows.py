@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+
+from studies.results.records import read_records, write_records
 
 REACHED = "reached"
 # Of the printed closed form: the root has outgrown the crest, the number means nothing.
@@ -87,34 +87,13 @@ def is_reached(entry: Row) -> bool:
 
 
 COLUMNS = tuple(f.name for f in fields(Row))
-_NUMBERS = {f.name for f in fields(Row) if f.type == "float"}
 
 
 def write_rows(path: Path, rows: Iterable[Row]) -> None:
     """Write rows as CSV; numbers with nine digits, NaN as an empty field."""
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        for entry in rows:
-            writer.writerow([_text(getattr(entry, name)) for name in COLUMNS])
+    write_records(path, Row, rows, 9)
 
 
 def read_rows(path: Path) -> list[Row]:
     """Read rows written by `write_rows`."""
-    with path.open(newline="", encoding="utf-8") as stream:
-        lines = list(csv.DictReader(stream))
-    # ``rung`` is the column's name before 0.2
-    lines = [{**line, "model": line.get("model", line.get("rung", ""))} for line in lines]
-    return [Row(*(_value(name, line[name]) for name in COLUMNS)) for line in lines]
-
-
-def _value(name: str, text: str) -> Any:
-    if name not in _NUMBERS:
-        return text
-    return float(text) if text else math.nan
-
-
-def _text(value: str | float) -> str:
-    if isinstance(value, str):
-        return value
-    return "" if math.isnan(value) else f"{value:.9g}"
+    return read_records(path, Row, {"rung": "model"})  # the column's name before 0.2

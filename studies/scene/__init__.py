@@ -1,1 +1,1 @@
-"""What is asked: scenes of bellows and of simple bodies, their sections and keys, files of sweeps."""
+"""What is requested: scenes of bellows and of simple bodies, their sections and keys, files of sweeps."""

@@ -1,31 +1,22 @@
-"""The scene: what an actuator is and what is asked of it, from a TOML file, checked before anything runs.
-
-Every key carries its unit. Errors are collected and each names the key, its value and what is allowed.
-"""
+"""A scene of a bellows: what an actuator is and what is requested of it. Every key carries its unit."""
 
 from __future__ import annotations
 
-import math
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from analytical.bellows.dimensions import BellowsDimensions
-from analytical.laws.errors import MaterialError
-from analytical.laws.isotropic import Guccione, Law, NeoHooke, Ogden, Yeoh
-from analytical.laws.stability import check_stability
 from analytical.laws.stiff import PLA, POLYETHYLENE, StiffSolid
 from meshes.bellows import BellowsShape, check_shape
 from meshes.errors import GeometryError
 from meshes.ring import RingShape
-from studies.scene.sections import Length, Modulus, Section, Stiffness, read_toml, validated
+from studies.scene.elements import Mesh, element_faults
+from studies.scene.materials import NeoHookeMaterial, OgdenMaterial, YeohMaterial, describe_material, material_faults
+from studies.scene.sections import Length, Section, Stiffness
 
-# Stretches up to this must be stable for a law to be accepted; the reference actuators stay below it to 20 kPa.
-STABLE_STRETCH = 4.0
-# The exponential law softens in uniaxial extension beyond a stretch of 2, where the Green strain across passes -1/4.
-GUCCIONE_STABLE_STRETCH = 1.99
 # A bond meant as rigid is a layer this stiff, MPa/mm: its slip is at most 0.003 mm at 20 kPa, and tips are within
 # 0.005 % of those with meshed PLA rings, which share their nodes with the wall (make study-paper; docs/decisions.md).
 RIGID_BOND_MPA_PER_MM = 3000.0
@@ -33,6 +24,10 @@ RIGID_BOND_MPA_PER_MM = 3000.0
 # reference actuators (the same), and what of the scene's tolerance it may take.
 RING_ERROR_PERCENT = {"pla": 0.005, "polyethylene": 0.04}
 RING_SHARE = 0.1
+
+
+# What may be requested of a tip.
+TipQuantity = Literal["tip_mm", "tip_force_n"]
 
 
 class Geometry(Section):
@@ -70,63 +65,10 @@ class Rings(Section):
     edge_radius_mm: Annotated[float, Field(ge=0.0, le=100.0)] = 0.5
 
 
-class Mesh(Section):
-    """Kind of cells: hexahedra (quadrilaterals on the meridian), or tetrahedra (triangles) as in the paper.
-
-    ``auto`` takes hexahedra unless the rings are meshed. ``tet-p0`` has one pressure per cell, like ANSYS's SOLID187
-    with constant pressure; ``tet-p1`` has linear displacements and no pressure, and locks: the control to compare with.
-
-    ``solver`` is for whole bodies in 3D: ``direct`` factorises; ``iterative`` needs less memory, takes longer and
-    counts no unstable modes; ``auto`` goes over to it where the memory does not hold the factors.
-    """
-
-    element: Literal["auto", "hex", "tet", "tet-p0", "tet-p1"] = "auto"
-    solver: Literal["auto", "direct", "iterative"] = "auto"
-
-
-class YeohMaterial(Section):
-    """W = sum C_i (I1 - 3)^i; initial shear modulus 2 C1."""
-
-    law: Literal["yeoh"]
-    c_kpa: Annotated[list[float], Field(min_length=1, max_length=3)]
-    kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
-
-
-class OgdenMaterial(Section):
-    """One Ogden term; the convention says what mu is (initial shear modulus mu, or mu alpha / 2)."""
-
-    law: Literal["ogden"]
-    mu_kpa: Modulus
-    alpha: Annotated[float, Field(ge=-20.0, le=20.0)]
-    convention: Literal["2mu/alpha^2", "mu/alpha"]
-    kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
-
-
-class NeoHookeMaterial(Section):
-    """W = mu/2 (I1 - 3); initial shear modulus mu."""
-
-    law: Literal["neo-hooke"]
-    mu_kpa: Modulus
-    kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
-
-
-class GuccioneMaterial(Section):
-    """W = C/2 (exp(b E:E) - 1), isotropic; initial shear modulus b C / 2."""
-
-    law: Literal["guccione"]
-    c_kpa: Modulus
-    b: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0
-    kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
-
-
-AnyMaterial = YeohMaterial | OgdenMaterial | NeoHookeMaterial | GuccioneMaterial
-
-
 class Load(Section):
-    """Cavity pressures at which results are asked, kPa, what the steps between are taken in, and the tip.
+    """Cavity pressures at which results are requested, kPa, what the steps between are taken in, and the tip.
 
     Pressures go away from zero: all positive and ascending, or all negative and descending, a vacuum.
-
 
     A blocked tip is held axially: the whole rim of a cap's distal face, which may slide and widen as on a wall without
     friction, or a rigid plate with all its motions. ``tip_force_n`` is a dead axial force on a free rigid plate,
@@ -162,13 +104,13 @@ class Contact(Section):
 class Ask(Section):
     """What is wanted, how exactly, whether fields are to be written, and unstable modes counted by harmonic."""
 
-    quantities: list[Literal["tip_mm", "tip_force_n"]] = ["tip_mm"]
+    quantities: list[TipQuantity] = ["tip_mm"]
     tolerance_percent: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0
     fields: bool = False
     modes: bool = True
 
 
-class Scene(Section):
+class BellowsScene(Section):
     """A whole scene."""
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$")]
@@ -181,7 +123,7 @@ class Scene(Section):
     ask: Ask = Ask()
 
     @model_validator(mode="after")
-    def _settle_rings(self) -> Scene:
+    def _settle_rings(self) -> BellowsScene:
         """``auto`` rings become rigid or meshed here, so that nothing after has to ask."""
         if self.rings.model != "auto":
             return self
@@ -190,8 +132,23 @@ class Scene(Section):
         return self.model_copy(update={"rings": self.rings.model_copy(update={"model": model})})
 
     @property
+    def main_quantity(self) -> TipQuantity:
+        """What the finite elements have to find: the force at a blocked tip, else its elongation."""
+        return "tip_force_n" if self.blocked else "tip_mm"
+
+    @property
+    def quantities(self) -> tuple[TipQuantity, ...]:
+        """What is requested, the main quantity in any case."""
+        return tuple(dict.fromkeys((self.main_quantity, *self.ask.quantities)))
+
+    @property
+    def loads_kpa(self) -> tuple[float, ...]:
+        """Requested pressures, kPa."""
+        return tuple(self.load.pressure_kpa)
+
+    @property
     def pressures_mpa(self) -> tuple[float, ...]:
-        """Asked loads, MPa: pressures, or how far below the outside's where they are negative."""
+        """Requested loads, MPa: pressures, or how far below the outside's where they are negative."""
         return tuple(1e-3 * abs(p) for p in self.load.pressure_kpa)
 
     @property
@@ -209,47 +166,24 @@ class Scene(Section):
         return self.load.tip == "blocked"
 
 
-def without_eccentricity(scene: Scene) -> Scene:
+def without_eccentricity(scene: BellowsScene) -> BellowsScene:
     """The same scene moulded round a centred core, which is rotationally symmetric."""
     if scene.geometry.eccentricity == 0.0:
         return scene
     return scene.model_copy(update={"geometry": scene.geometry.model_copy(update={"eccentricity": 0.0})})
 
 
-def core_shift_mm(scene: Scene) -> float:
+def at_pressures(scene: BellowsScene, pressures_kpa: Sequence[float]) -> BellowsScene:
+    """The same scene with other requested pressures."""
+    return scene.model_copy(update={"load": scene.load.model_copy(update={"pressure_kpa": list(pressures_kpa)})})
+
+
+def core_shift_mm(scene: BellowsScene) -> float:
     """How far the core sat off the axis, mm."""
     return scene.geometry.eccentricity * scene.geometry.wall_mm
 
 
-def describe_material(material: AnyMaterial) -> str:
-    """The law, its numbers and the initial shear modulus."""
-    mu = f"initial shear modulus {1e3 * law_of(material).initial_shear_modulus_mpa:.4g} kPa"
-    if isinstance(material, YeohMaterial):
-        return f"Yeoh C = {', '.join(f'{c:g}' for c in material.c_kpa)} kPa ({mu})"
-    if isinstance(material, OgdenMaterial):
-        return f"Ogden mu = {material.mu_kpa:g} kPa, alpha = {material.alpha:g}, {material.convention} ({mu})"
-    if isinstance(material, GuccioneMaterial):
-        return f"Guccione C = {material.c_kpa:g} kPa, b = {material.b:g} ({mu})"
-    return f"neo-Hooke ({mu})"
-
-
-def law_of(material: AnyMaterial) -> Law:
-    """The material law in MPa."""
-    if isinstance(material, YeohMaterial):
-        return Yeoh(tuple(1e-3 * c for c in material.c_kpa))
-    if isinstance(material, OgdenMaterial):
-        return Ogden(1e-3 * material.mu_kpa, material.alpha, material.convention)
-    if isinstance(material, GuccioneMaterial):
-        return Guccione(1e-3 * material.c_kpa, material.b)
-    return NeoHooke(1e-3 * material.mu_kpa)
-
-
-def inverse_kappa(material: AnyMaterial) -> float:
-    """1/kappa in 1/MPa; 0 when incompressible."""
-    return 1.0 / (material.kappa_over_mu * law_of(material).initial_shear_modulus_mpa)
-
-
-def shape_of(scene: Scene) -> BellowsShape:
+def shape_of(scene: BellowsScene) -> BellowsShape:
     """The outline's dimensions; without rings there are no seats."""
     g = scene.geometry
     return BellowsShape(
@@ -265,28 +199,28 @@ def shape_of(scene: Scene) -> BellowsShape:
     )
 
 
-def dimensions_of(scene: Scene) -> BellowsDimensions:
+def dimensions_of(scene: BellowsScene) -> BellowsDimensions:
     """The dimensions of the closed form."""
     g = scene.geometry
     return BellowsDimensions(g.root_radius_mm, g.crest_radius_mm, g.wall_mm, g.half_pitch_mm, g.convolutions)
 
 
-def in_hexahedra(scene: Scene) -> bool:
+def in_hexahedra(scene: BellowsScene) -> bool:
     """True for quadrilaterals and hexahedra, False for triangles and tetrahedra."""
     return scene.mesh.element == "hex" or (scene.mesh.element == "auto" and scene.rings.model != "meshed")
 
 
-def ring_material(scene: Scene) -> StiffSolid:
+def ring_material(scene: BellowsScene) -> StiffSolid:
     """The rings' material."""
     return PLA if scene.rings.material == "pla" else POLYETHYLENE
 
 
-def ring_shape(scene: Scene) -> RingShape:
+def ring_shape(scene: BellowsScene) -> RingShape:
     """The rings' section."""
     return RingShape(scene.rings.height_mm, scene.rings.edge_radius_mm)
 
 
-def bond_grade(scene: Scene, axial_mm: np.ndarray) -> np.ndarray:
+def bond_grade(scene: BellowsScene, axial_mm: np.ndarray) -> np.ndarray:
     """Stiffness of the bond relative to its middle, at axial positions: smooth to zero at the seat's edges."""
     rings = scene.rings
     if rings.bond == "rigid" or rings.bond_grading_mm == 0.0:
@@ -299,26 +233,15 @@ def bond_grade(scene: Scene, axial_mm: np.ndarray) -> np.ndarray:
     return grade
 
 
-def bond_stiffness(scene: Scene) -> tuple[float, float]:
+def bond_stiffness(scene: BellowsScene) -> tuple[float, float]:
     """Normal and tangential stiffness of the bond, MPa/mm."""
     if scene.rings.bond == "rigid":
         return RIGID_BOND_MPA_PER_MM, RIGID_BOND_MPA_PER_MM
     return scene.rings.bond_normal_mpa_per_mm, scene.rings.bond_tangential_mpa_per_mm
 
 
-def load_scene(path: Path) -> Scene:
-    """Read and check a scene.
-
-    Raises
-    ------
-    SceneError
-        With one line per fault; nothing has been meshed, solved or written.
-    """
-    return validated(Scene, read_toml(path), path, _faults)
-
-
-def _faults(scene: Scene) -> list[str]:
-    """What the types cannot see: geometry, material stability, units."""
+def bellows_faults(scene: BellowsScene) -> list[str]:
+    """What the types cannot see: geometry, material stability, units; a line per fault."""
     faults = []
     try:
         check_shape(shape_of(scene))
@@ -342,19 +265,7 @@ def _faults(scene: Scene) -> list[str]:
     return faults + material_faults(scene.material, abs(scene.load.pressure_kpa[-1]), "load.pressure_kpa")
 
 
-def element_faults(mesh: Mesh, kappa_over_mu: float) -> list[str]:
-    """What is wrong with an element for a material or with a solver for an element."""
-    if mesh.solver == "iterative" and mesh.element == "tet-p1":
-        return ['mesh.solver = "iterative" with mesh.element = "tet-p1": it is made for quadratic elements']
-    if mesh.element != "tet-p1" or math.isfinite(kappa_over_mu):
-        return []
-    return [
-        'mesh.element = "tet-p1" with material.kappa_over_mu = inf: without pressure unknowns the material must be '
-        "compressible: set kappa_over_mu, for instance to 1000, or take another element"
-    ]
-
-
-def _tip_faults(scene: Scene) -> list[str]:
+def _tip_faults(scene: BellowsScene) -> list[str]:
     faults = []
     given = f"load.tip_force_n = {scene.load.tip_force_n:g}"
     if scene.load.tip_force_n and scene.blocked:
@@ -366,28 +277,11 @@ def _tip_faults(scene: Scene) -> list[str]:
     return faults
 
 
-def _core_faults(scene: Scene) -> list[str]:
+def _core_faults(scene: BellowsScene) -> list[str]:
     given = f"geometry.eccentricity = {scene.geometry.eccentricity:g}"
     faults = []
     if scene.geometry.eccentricity and scene.geometry.tip == "rigid":
         faults.append(f'{given}: a plate closes a round opening about the axis: set geometry.tip = "cap"')
     if scene.geometry.eccentricity and scene.rings.model == "meshed":
         faults.append(f'{given}: with meshed rings not modelled: set rings.model = "rigid"')
-    return faults
-
-
-def material_faults(material: AnyMaterial, highest_kpa: float, key: str) -> list[str]:
-    """What is wrong with a law, or with a highest load beside it that suggests another unit."""
-    faults = []
-    try:
-        law = law_of(material)
-        check_stability(law, GUCCIONE_STABLE_STRETCH if isinstance(law, Guccione) else STABLE_STRETCH)
-        modulus = 1e3 * law.initial_shear_modulus_mpa
-        if highest_kpa > 10.0 * modulus:
-            faults.append(
-                f"{key} reaches {highest_kpa:g}: more than 10 times the initial shear modulus, "
-                f"{modulus:g} kPa; check the units (kPa)"
-            )
-    except MaterialError as error:
-        faults.append(f"material: {error}")
     return faults

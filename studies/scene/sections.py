@@ -44,7 +44,9 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise SceneError(f"{path}: not a TOML file: {error}") from None
 
 
-def validated(model: type[Model], data: dict[str, Any], path: Path, faults: Callable[[Model], list[str]]) -> Model:
+def validated(
+    model: type[Model], data: dict[str, Any], path: Path, faults: Callable[[Model], list[str]] | None = None
+) -> Model:
     """A scene from the contents of its file.
 
     Parameters
@@ -54,7 +56,7 @@ def validated(model: type[Model], data: dict[str, Any], path: Path, faults: Call
     data, path
         Contents and where they are from, for messages.
     faults
-        What the types cannot see, a line per fault.
+        What the types cannot see, a line per fault; None to leave it at what they see.
 
     Raises
     ------
@@ -65,7 +67,7 @@ def validated(model: type[Model], data: dict[str, Any], path: Path, faults: Call
         scene = model.model_validate(data)
     except ValidationError as error:
         raise SceneError("\n".join(f"{path}: {line}" for line in explain(error, model))) from None
-    found = faults(scene)
+    found = [] if faults is None else faults(scene)
     if found:
         raise SceneError("\n".join(f"{path}: {line}" for line in found))
     return scene

@@ -8,7 +8,7 @@ A sweep is a TOML file::
     [vary]                              # dotted keys of the scene, a list of values each
     geometry.wall_mm = [1.0, 1.5]       # whole tables may be values too: material = [{ law = ... }, { law = ... }]
 
-    [ask]                               # what is asked of every scene; default: what the base asks
+    [ask]                               # what is requested of every scene; default: as in the base
     pressure_kpa = [5.0, 10.0]
     tolerance_percent = 2.0
 
@@ -27,17 +27,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from studies.results import provenance
-from studies.scene.bellows import Scene, load_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
 from studies.scene.sections import SceneError, Section, read_toml, validated
 from studies.scene.text import changed_text
 
+CHECKOUT = Path(__file__).resolve().parents[2]
 # Keys that are not the sweep's to vary: every scene gets a name of its own, and no fields are written.
 _NOT_VARIED = ("name", "ask.fields")
 
 
 class SweepAsk(Section):
-    """What is asked of every scene; None leaves what the base asks."""
+    """What is requested of every scene; None leaves it as it is in the base."""
 
     pressure_kpa: list[float] | None = None
     tolerance_percent: float | None = None
@@ -73,7 +74,7 @@ class Variant:
     name: str
     values: Mapping[str, Any]
     text: str
-    scene: Scene | None
+    scene: BellowsScene | None
     refusal: str
 
 
@@ -87,12 +88,12 @@ def read_sweep(file: Path) -> list[Variant]:
     """
     sweep = validated(SweepFile, read_toml(file), file, _faults)
     base = _base_file(file, sweep.base)
-    named, text = load_scene(base).name, base.read_text(encoding="utf-8")
-    asked: dict[str, Any] = {"ask.fields": False}
+    named, text = load_bellows(base).name, base.read_text(encoding="utf-8")
+    requested: dict[str, Any] = {"ask.fields": False}
     if sweep.ask.pressure_kpa is not None:
-        asked["load.pressure_kpa"] = sweep.ask.pressure_kpa
+        requested["load.pressure_kpa"] = sweep.ask.pressure_kpa
     if sweep.ask.tolerance_percent is not None:
-        asked["ask.tolerance_percent"] = sweep.ask.tolerance_percent
+        requested["ask.tolerance_percent"] = sweep.ask.tolerance_percent
     blocks = _blocks(sweep)
     keys = list(dict.fromkeys(key for block in blocks for key in block))
     found: dict[str, Variant] = {}
@@ -100,7 +101,7 @@ def read_sweep(file: Path) -> list[Variant]:
         for values in _combinations(block, sweep.combine):
             changes = dict(zip(block, values, strict=True))
             name = f"{named[:60]}-{_digest(changes)}"
-            found.setdefault(name, _variant(name, text, {**changes, **asked}, keys))
+            found.setdefault(name, _variant(name, text, {**changes, **requested}, keys))
     refusals = dict.fromkeys(variant.refusal for variant in found.values())
     if all(refusals):
         raise SceneError("\n".join(f"{file}: every scene is refused: {reason}" for reason in refusals))
@@ -147,7 +148,7 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
 def _base_file(file: Path, base: str) -> Path:
     """The base scene: beside the sweep file, else in the checkout."""
     beside = file.parent / base
-    return beside if beside.exists() else provenance.ROOT / base
+    return beside if beside.exists() else CHECKOUT / base
 
 
 def _combinations(block: Mapping[str, list[Any]], combine: str) -> list[tuple[Any, ...]]:
@@ -172,7 +173,7 @@ def _variant(name: str, base: str, changes: Mapping[str, Any], keys: list[str]) 
         path = Path(folder, "scene.toml")
         path.write_text(text, encoding="utf-8")
         try:
-            return Variant(name, values, text, load_scene(path), "")
+            return Variant(name, values, text, load_bellows(path), "")
         except SceneError as error:
             return Variant(name, values, text, None, str(error).replace(f"{path}: ", "").replace("\n", "; "))
 

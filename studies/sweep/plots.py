@@ -9,18 +9,24 @@ from typing import Any, Final, Literal
 
 import matplotlib
 import numpy as np
-from matplotlib.colors import BoundaryNorm, Normalize
-from matplotlib.lines import Line2D
+from matplotlib.colors import Normalize
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
 from analytical.arrays import FloatArray
-from studies.report.style import BLACK, BLUE, figure_file
+from studies.report.maps import (
+    PERCENT_COLOURS,
+    change_of_sign,
+    colour_scale,
+    mark_change_of_sign,
+    percent_bands,
+    percent_text,
+)
+from studies.report.style import ABOVE, BLACK, entry, figure_file
 
 Kind = Literal["elongation", "percent"]
-# Percent at which the colour changes: orange against purple, white where nobody is misled.
+# Percent at which the colour changes: white where nobody is misled.
 _BOUNDS: Final = (-60.0, -40.0, -30.0, -20.0, -10.0, 10.0, 20.0, 30.0, 40.0, 60.0)
-_HALO: Final = [withStroke(linewidth=3.5, foreground="white")]
 _BORDER: Final[dict[str, Any]] = {"color": BLACK, "linewidth": 2.4, "zorder": 3.0}
 _NO_ANSWER: Final[dict[str, Any]] = {"facecolor": "#e0e0e0", "edgecolor": "#8c8c8c", "hatch": "///"}
 
@@ -64,8 +70,8 @@ def draw_design_maps(path: Path, panels: Sequence[Sequence[MapPanel]], kind: Kin
     """
     drawn_values = np.concatenate([p.values.ravel() for line in panels for p in line])
     percent = kind == "percent"
-    norm: Any = BoundaryNorm(_BOUNDS, 256, extend="both") if percent else Normalize(0.0, np.nanmax(drawn_values))
-    colours = matplotlib.colormaps["PuOr" if percent else "cividis"]
+    norm: Any = percent_bands(_BOUNDS) if percent else Normalize(0.0, np.nanmax(drawn_values))
+    colours = matplotlib.colormaps[PERCENT_COLOURS if percent else "cividis"]
     with figure_file(path, 3.6 * len(panels[0]), 3.3 * len(panels) + 0.9) as figure:
         grid = figure.subplots(len(panels), len(panels[0]), squeeze=False, sharex=True, sharey=True)
         drawn: Any = None
@@ -75,17 +81,14 @@ def draw_design_maps(path: Path, panels: Sequence[Sequence[MapPanel]], kind: Kin
             axes.set_xlabel("$R_i$, mm")
         for axes in grid[:, 0]:
             axes.set_ylabel("$t$, mm")
-        bar = figure.colorbar(drawn, ax=grid, location="bottom", aspect=50, shrink=0.7)
-        if percent:
-            bar.set_ticks(_BOUNDS, labels=[_signed(bound) for bound in _BOUNDS])
-        bar.set_label(label)
+        colour_scale(figure, drawn, grid, label, _BOUNDS if percent else None)
         entries: list[Any] = [
-            Line2D([], [], color=BLUE, linestyle="--", linewidth=1.8, label="closed form fully unfolded to the right"),
+            change_of_sign("closed form fully unfolded to the right"),
             Patch(label="no answer: refused or stopped", **_NO_ANSWER),
         ]
         if percent:
-            entries.insert(0, Line2D([], [], color=BLACK, linewidth=2.4, label="10 % off (within: white)"))
-        figure.legend(handles=entries, loc="outside upper center", ncols=3, frameon=False)
+            entries.insert(0, entry("10 % off (within: white)", color=BLACK, linewidth=2.4))
+        figure.legend(handles=entries, ncols=3, **ABOVE)
 
 
 def _draw_panel(axes: Any, panel: MapPanel, colours: Any, norm: Any, percent: bool) -> Any:
@@ -114,10 +117,7 @@ def _draw_panel(axes: Any, panel: MapPanel, colours: Any, norm: Any, percent: bo
         )
     if percent:
         _border(axes, x, y, panel.values)
-    if np.any(panel.beyond_unfolding > 0.0) and np.any(panel.beyond_unfolding < 0.0):
-        beyond = np.ma.masked_invalid(panel.beyond_unfolding)
-        line = axes.contour(panel.roots_mm, panel.walls_mm, beyond, levels=[0.0], colors=BLUE, linestyles="--")
-        line.set(linewidth=1.8, path_effects=_HALO)
+    mark_change_of_sign(axes, panel.roots_mm, panel.walls_mm, panel.beyond_unfolding)
     axes.set_xlim(x[0], x[-1])
     axes.set_ylim(y[0], y[-1])
     axes.set_xticks(panel.roots_mm)
@@ -145,8 +145,4 @@ def _edges(middles: FloatArray) -> FloatArray:
 
 def _shown(percent: float) -> str:
     """A difference in whole percent, with a decimal where it is not seen otherwise on which side of 10 it is."""
-    return _signed(round(percent, 1 if round(abs(percent)) == 10 else None))
-
-
-def _signed(value: float) -> str:
-    return f"{value:+g}".replace("-", "\N{MINUS SIGN}") if value else "0"
+    return percent_text(round(percent, 1 if round(abs(percent)) == 10 else None))

@@ -13,7 +13,7 @@ from mpi4py import MPI
 
 from analytical.arrays import FloatArray
 from analytical.bellows import paper
-from studies.closed_form.tables import SILICONES
+from studies.closed_form.chains import SILICONES
 from studies.models.farm import OUTCOME_FILE, REFUSED, TABLE_FILE, SweepOutcome, SweepRow, read_table, run_sweep
 from studies.progress import Progress
 from studies.report.labels import model_label
@@ -22,7 +22,8 @@ from studies.report.pages import write_page
 from studies.report.tables import Table, facts_table
 from studies.results import provenance
 from studies.results.rows import REACHED
-from studies.scene.bellows import dimensions_of, load_scene
+from studies.scene.bellows import dimensions_of
+from studies.scene.files import load_bellows
 from studies.sweep.plots import Kind, MapPanel, draw_design_maps
 from studies.sweep.rules import LIMIT_PERCENT, Chain, Point, Rule, across, one_factor, two_factors
 
@@ -59,7 +60,7 @@ def write_sweep_report(folder: Path) -> Path:
     mapped = [row for row in reached if row.values[COUNT_KEY] == MAP_COUNT]
     points, others = _points(mapped), _points(row for row in reached if row.values[COUNT_KEY] != MAP_COUNT)
     found = _rules(points)
-    dimensions = dimensions_of(load_scene(_BASE))
+    dimensions = dimensions_of(load_bellows(_BASE))
     relative = [100.0 * row.uncertainty / abs(row.axisymmetric) for row in reached]
     low = sum(row.closed_form_percent < -LIMIT_PERCENT for row in mapped)
     high = sum(row.closed_form_percent > LIMIT_PERCENT for row in mapped)
@@ -142,7 +143,7 @@ def _groups(rows: Sequence[SweepRow]) -> list[tuple[str, float, list[SweepRow]]]
 
 
 def _points(rows: Iterable[SweepRow]) -> list[Point]:
-    crest = dimensions_of(load_scene(_BASE)).crest_radius_mm
+    crest = dimensions_of(load_bellows(_BASE)).crest_radius_mm
     return [
         Point(
             silicone=_silicone(row),

@@ -11,12 +11,12 @@ from matplotlib.patches import Rectangle
 
 from meshes.gaps import outlines
 from meshes.solid import FloatArray, SolidMesh
-from studies.models.build import scene_meridian
-from studies.models.run_log import Run
 from studies.planning.levels import fineness
 from studies.report.style import BESIDE, BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION, figure_file
-from studies.results.states import load_state
-from studies.scene.bellows import Scene, shape_of
+from studies.results.files import load_state
+from studies.results.runs import Run
+from studies.scene.bellows import BellowsScene, shape_of
+from studies.scene.meshes import scene_meridian
 
 _COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, BLACK)
 _MARKERS = ("o", "s", "^", "v", "D", "P")
@@ -48,7 +48,7 @@ def draw_contractions(path: Path, curves: Mapping[str, FloatArray]) -> None:
         axes.legend(**BESIDE)
 
 
-def draw_shapes(path: Path, scene: Scene, run: Run, folder: Path) -> None:
+def draw_shapes(path: Path, scene: BellowsScene, run: Run, folder: Path) -> None:
     """Draw the meridian unloaded and in requested states of a run, below each other to one scale.
 
     Parameters

@@ -10,44 +10,43 @@ import click
 import numpy as np
 
 from studies.engine import Page, Setting, Solved, Study
-from studies.models.contact import CONTACT_FILE, read_reports
-from studies.models.run_log import Run
-from studies.models.run_rows import path_rows, run_notes, state_rows
-from studies.models.runs import run_axisymmetric
+from studies.models.axisymmetric import run_axisymmetric
+from studies.models.run_rows import path_rows, requested_rows, run_notes, stops
 from studies.report.tables import Table
 from studies.results import provenance
-from studies.results.rows import REACHED, Row
-from studies.scene.bellows import Scene, load_scene
+from studies.results.rows import Row
+from studies.results.runs import Run
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
 from studies.vacuum.plots import draw_contractions, draw_shapes
 
 SCENES: Final = provenance.ROOT / "scenes" / "vacuum"
 QUANTITIES: Final = ("tip_mm", "volume_mm3", "min_gap_mm", "contact_force_n", "unstable_modes", "min_det_f")
 
 
-def cases(options: Mapping[str, Any]) -> list[Scene]:
+def cases(options: Mapping[str, Any]) -> list[BellowsScene]:
     """Scenes of the study, by name."""
-    return [load_scene(path) for path in sorted(SCENES.glob("*.toml"))]
+    return [load_bellows(path) for path in sorted(SCENES.glob("*.toml"))]
 
 
-def solve(scene: Scene, at: Setting) -> list[Run]:
+def solve(scene: BellowsScene, at: Setting) -> list[Run]:
     """Runs of a scene, coarsest first."""
     levels = sorted(at.options["level"])
     return [run_axisymmetric(scene, n, folder_of(at.out, scene, f"r{n}"), at.comm, at.progress) for n in levels]
 
 
-def folder_of(out: Path, scene: Scene, level: str) -> Path:
+def folder_of(out: Path, scene: BellowsScene, level: str) -> Path:
     """Where a run is kept."""
     return out / scene.name / f"axisymmetric-{level}"
 
 
-def scene_rows(out: Path, scene: Scene, runs: Sequence[Run]) -> list[Row]:
+def scene_rows(out: Path, scene: BellowsScene, runs: Sequence[Run]) -> list[Row]:
     """Rows of a scene: its states at each requested pressure, work and loss of stability of each run."""
     rows: list[Row] = []
     for run in runs:
-        contacts = read_reports(folder_of(out, scene, run.summary.level) / CONTACT_FILE)
+        folder = folder_of(out, scene, run.summary.level)
         finest = runs[-1] if run is not runs[-1] else None
-        for pressure in scene.load.pressure_kpa:
-            rows += state_rows(run, pressure, QUANTITIES, "axisymmetric", contacts, finest)
+        rows += requested_rows(run, folder, scene.load.pressure_kpa, QUANTITIES, "axisymmetric", finest)
         rows += path_rows(run, "axisymmetric")
     return rows
 
@@ -63,7 +62,7 @@ def contractions(rows: Sequence[Row]) -> Table:
     return Table(("kPa", *(f"{name}: {level}" for level, name in columns)), tuple(lines), ())
 
 
-def page(solved: Sequence[Solved[Scene, list[Run]]], at: Setting) -> Page:
+def page(solved: Sequence[Solved[BellowsScene, list[Run]]], at: Setting) -> Page:
     """A section per scene, with its shapes, and one picture of all contractions."""
     rows, sections, curves = [], [], {}
     for scene, runs in ((done.case, done.result) for done in solved):
@@ -76,8 +75,7 @@ def page(solved: Sequence[Solved[Scene, list[Run]]], at: Setting) -> Page:
         )
         rows += found
     draw_contractions(at.out / "pictures" / "contractions.png", curves)
-    stopped = [f"{r.scene}, {r.level}, {r.pressure_kpa:g} kPa: {r.status}" for r in rows if r.status != REACHED]
-    return Page(rows, {"sections": sections}, stopped)
+    return Page(rows, {"sections": sections}, stops(rows))
 
 
 STUDY: Final = Study(

@@ -9,10 +9,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from studies.models.body_session import OF_PATHS
 from studies.models.session import ROWS_FILE, SCENE_FILE
-from studies.planning.levels import fineness
-from studies.planning.plan import MODELS
+from studies.planning.levels import MODELS, fineness
 from studies.report import scene_tables
 from studies.report.labels import counted_along, quantity_label
 from studies.report.numbers import MISSING, duration, rounded_up
@@ -20,11 +18,12 @@ from studies.report.pages import write_page
 from studies.report.scene_report import SceneReport, anchor_of, label_of
 from studies.report.tables import Column, Table, pivot, pressure_of
 from studies.results import provenance
+from studies.results.body_rows import OF_PATHS
 from studies.results.exact_answers import exact_bore_mm, exact_crossing_kpa
 from studies.results.files import SUMMARY_FILE, read_path, read_summary
 from studies.results.rows import Row, read_rows, write_rows
-from studies.scene.bodies import ExactScene
-from studies.scene.sections import read_toml
+from studies.scene.bodies import BodyScene
+from studies.scene.files import kept_scene
 from studies.verification.plots import Points, draw_against_exact
 
 TITLE: Final = "Bodies with exact answers: the solver beside them"
@@ -62,9 +61,11 @@ def render_exact(folder: Path, scene_folders: Sequence[Path]) -> Path:
     return write_page(folder, "exact.md.j2", content)
 
 
-def _scene(folder: Path) -> ExactScene:
-    """The scene kept in a folder; a user's mesh need not be where it was."""
-    return ExactScene.model_validate(read_toml(folder / SCENE_FILE))
+def _scene(folder: Path) -> BodyScene:
+    """The scene kept in a folder."""
+    scene = kept_scene(folder / SCENE_FILE)
+    assert isinstance(scene, BodyScene)
+    return scene
 
 
 def _read(folder: Path) -> SceneReport:
@@ -88,7 +89,7 @@ def _read(folder: Path) -> SceneReport:
     )
 
 
-def _section(folder: Path, scene: ExactScene, report: SceneReport) -> dict[str, Any]:
+def _section(folder: Path, scene: BodyScene, report: SceneReport) -> dict[str, Any]:
     place = Path("pictures", f"{anchor_of(report)}.png")
     (folder / "pictures").mkdir(parents=True, exist_ok=True)
     quantity = _plotted(scene)
@@ -113,14 +114,14 @@ def _section(folder: Path, scene: ExactScene, report: SceneReport) -> dict[str, 
     }
 
 
-def _plotted(scene: ExactScene) -> str:
+def _plotted(scene: BodyScene) -> str:
     """The quantity that is drawn over the load."""
     kind = scene.geometry.kind
     others = {"mesh": "volume_mm3", "block": "unstable_modes", "cook": "corner_mm", "ventricle": "apex_inside_mm"}
     return {**others, "cylinder": "torque_nmm"}.get(kind, "bore_mm")
 
 
-def _draw(path: Path, scene: ExactScene, report: SceneReport, quantity: str) -> None:
+def _draw(path: Path, scene: BodyScene, report: SceneReport, quantity: str) -> None:
     levels = []
     for model, level in _finest(report):
         rows = [r for r in report.rows if (r.quantity, r.model, r.level) == (quantity, model, level)]
@@ -149,7 +150,7 @@ def _columns(pairs: Sequence[tuple[float, float]]) -> tuple[tuple[float, ...], t
 # --- tables -------------------------------------------------------------------------------------------------
 
 
-def _summary(pairs: Sequence[tuple[ExactScene, SceneReport]]) -> Table:
+def _summary(pairs: Sequence[tuple[BodyScene, SceneReport]]) -> Table:
     """The asked quantities on the finest mesh of each model: the largest error over the loads."""
     lines = []
     for scene, report in pairs:

@@ -5,8 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
+from studies.report.panels import Panel, Series, add_panel
 from studies.report.style import BESIDE, BLACK, BLUE, VERMILION, figure_file
+
+_EXACT: Final = {"color": BLACK, "linewidth": 1.6}
+_MEASURED: Final = {"color": BLUE, "marker": "o", "markerfacecolor": "none", "markeredgewidth": 1.5}
 
 
 @dataclass(frozen=True)
@@ -36,27 +41,15 @@ def draw_against_exact(
     crossings_kpa
         Labels and loads of upright lines.
     """
+    series = [] if exact is None else [Series(exact.load_kpa, exact.value, _EXACT, exact.label)]
+    for place, points in enumerate(levels):
+        # rings of different sizes, so that equal values are all seen
+        size = 5.0 + 4.5 * (len(levels) - 1 - place)
+        look = {**_MEASURED, "linestyle": "none" if exact is not None else ":", "markersize": size}
+        series.append(Series(points.load_kpa, points.value, look, points.label))
     with figure_file(path, 8.2, 4.2) as figure:
         axes = figure.add_subplot()
-        if exact is not None:
-            axes.plot(exact.load_kpa, exact.value, color=BLACK, linewidth=1.6, label=exact.label)
-        for place, points in enumerate(levels):
-            # rings of different sizes, so that equal values are all seen
-            axes.plot(
-                points.load_kpa,
-                points.value,
-                linestyle="none" if exact is not None else ":",
-                marker="o",
-                markersize=5.0 + 4.5 * (len(levels) - 1 - place),
-                markerfacecolor="none",
-                markeredgewidth=1.5,
-                color=BLUE,
-                label=points.label,
-            )
+        add_panel(axes, Panel(series, "load, kPa", name))
         for place, (label, load) in enumerate(crossings_kpa):
             axes.axvline(load, color=VERMILION, linestyle=("-", "--")[place % 2], linewidth=1.4, label=label)
-        axes.set_xlabel("load, kPa")
-        axes.set_ylabel(name)
-        axes.grid(color="#e4e4e4", zorder=0)
-        axes.set_axisbelow(True)
         axes.legend(**BESIDE)

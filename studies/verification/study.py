@@ -15,13 +15,13 @@ from typing import Final
 
 from mpi4py import MPI
 
-from studies.models.body_session import ExactResult, run_all_models
-from studies.models.session import ROWS_FILE, SCENE_FILE
+from studies.models.session import ROWS_FILE, SCENE_FILE, SceneResult, run_all_models
 from studies.planning.levels import fineness
 from studies.progress import Progress
 from studies.report.labels import counted_along
 from studies.results.rows import Row, row, write_rows
-from studies.scene.bodies import ExactScene, load_any_scene
+from studies.scene.bodies import BodyScene
+from studies.scene.files import load_scene
 from studies.scene.sections import SceneError
 from studies.verification import two_routes as exact_table
 
@@ -87,8 +87,8 @@ def run_verification(
     """
     results = []
     for path in scenes:
-        scene = load_any_scene(path)
-        if not isinstance(scene, ExactScene):
+        scene = load_scene(path)
+        if not isinstance(scene, BodyScene):
             raise SceneError(f"{path}: a bellows has no exact answer: give scenes such as those of scenes/exact")
         if scene.geometry.kind == "mesh":
             continue
@@ -104,7 +104,7 @@ def run_verification(
     return found
 
 
-def gather(results: Sequence[ExactResult]) -> Verification:
+def gather(results: Sequence[SceneResult[BodyScene]]) -> Verification:
     """The table of finished scenes."""
     lines: list[Line] = []
     stopped = []

@@ -9,7 +9,8 @@ import ufl
 from analytical.exact.tube import Tube, hydrostatic_pressure_mpa, pressure_at_inner_radius_mpa, radial_displacement_mm
 from analytical.laws.isotropic import Law, NeoHooke
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
-from meshes.meridian import CellKind, Resolution, meridian_mesh
+from meshes.cells import CellKind
+from meshes.meridian import Resolution, meridian_mesh
 from meshes.revolve import revolve
 from meshes.solid import FACETS, SolidMesh
 from meshes.sweep import revolve_hexahedra

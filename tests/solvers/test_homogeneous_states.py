@@ -9,9 +9,10 @@ import pytest
 
 from analytical.laws.isotropic import Law, NeoHooke
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
+from meshes.cells import TETRAHEDRON_EDGES
 from meshes.quality import jacobians, region_volumes_mm3
 from meshes.revolve import revolve
-from meshes.solid import TETRAHEDRON_EDGES, SolidMesh
+from meshes.solid import SolidMesh
 from solvers.problem import Problem
 from solvers.state import State
 

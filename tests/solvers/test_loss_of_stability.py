@@ -13,8 +13,9 @@ from numpy.polynomial import chebyshev, legendre
 from scipy.optimize import brentq, minimize_scalar
 
 from analytical.laws.isotropic import NeoHooke, Yeoh
+from meshes.cells import TETRAHEDRON_EDGES
 from meshes.revolve import revolve
-from meshes.solid import TETRAHEDRON_EDGES, SolidMesh
+from meshes.solid import SolidMesh
 from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause

@@ -12,15 +12,16 @@ from pathlib import Path
 from mpi4py import MPI
 
 from solvers.linear.factor import Factor
-from studies.models.build import scene_body, scene_meridian, scene_problem
-from studies.scene.bellows import load_scene
+from studies.models.build import scene_problem
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_body, scene_meridian
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
 def main() -> None:
     comm = MPI.COMM_WORLD
-    scene = load_scene(ROOT / "scenes" / "heung-t2-ri5.toml")
+    scene = load_bellows(ROOT / "scenes" / "heung-t2-ri5.toml")
     body = scene_body(scene_meridian(scene, 1), "full3d", 10)
     problem = scene_problem(scene, body if comm.rank == 0 else None, comm)
     factor = Factor(problem)

@@ -8,13 +8,14 @@ import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from studies.models.run_log import Run
 from studies.paper.cases import Case, case_text, cases
 from studies.paper.results import CaseResult, PaperResults
-from studies.results.compare import scene_rows
+from studies.results.bellows_rows import bellows_rows
 from studies.results.files import PathRow, RunSummary
 from studies.results.rows import REACHED, Row, row
-from studies.scene.bellows import Scene, load_scene
+from studies.results.runs import Run
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
 
 ALL = {(case.group, case.scene): case for case in cases()}
 # Elongation at 20 kPa, mm, by wall and by whether the root is the larger one.
@@ -31,16 +32,16 @@ Tip = Callable[[str, float], float]
 
 
 @functools.cache
-def scene_of(group: str, name: str) -> Scene:
+def scene_of(group: str, name: str) -> BellowsScene:
     import tempfile
 
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "scene.toml")
         file.write_text(case_text(case_of(group, name)), encoding="utf-8")
-        return load_scene(file)
+        return load_bellows(file)
 
 
-def usual_tip(scene: Scene) -> Tip:
+def usual_tip(scene: BellowsScene) -> Tip:
     """Elongation, mm, by mesh and pressure: steep at first, then nearly straight."""
     larger = scene.geometry.root_radius_mm > 5.0
     at_20 = TIPS[scene.geometry.wall_mm, larger]
@@ -53,7 +54,7 @@ def usual_tip(scene: Scene) -> Tip:
 
 
 def make_run(
-    scene: Scene,
+    scene: BellowsScene,
     model: str,
     level: str,
     tip: Tip,
@@ -112,7 +113,7 @@ def make_case(
     tip = tip or usual_tip(scene)
     flat = [make_run(scene, "axisymmetric", level, tip, stop_kpa, iterations) for level in levels]
     solid = [make_run(scene, "full3d", level, tip, stop_kpa, iterations) for level in bodies]
-    rows = scene_rows(scene, flat, (), solid)
+    rows = bellows_rows(scene, [*flat, *solid])
     found = [
         row(scene.name, quantity, "1", p, "axisymmetric", value(p), "r4", 0.001)
         for quantity, value in (measured or {}).items()

@@ -10,11 +10,13 @@ from click.testing import CliRunner
 
 from analytical.bellows.loads import held_tip
 from studies.__main__ import main
-from studies.models.runs import run_hash
-from studies.planning.plan import describe, make_plan
+from studies.planning.planner import describe, make_plan
 from studies.results.files import read_path, read_summary
 from studies.results.rows import read_rows
-from studies.scene.bellows import dimensions_of, law_of, load_scene
+from studies.results.runs import run_hash
+from studies.scene.bellows import dimensions_of
+from studies.scene.files import load_bellows
+from studies.scene.materials import law_of
 from studies.scene.sections import SceneError
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -65,7 +67,7 @@ def test_blocked_plate_in_full_3d(whole) -> None:
 
 
 def test_rows_have_the_closed_forms_force_and_its_lower_bound(write, whole) -> None:
-    scene = load_scene(write("plate", 'tip = "blocked"'))
+    scene = load_bellows(write("plate", 'tip = "blocked"'))
     expected = held_tip(dimensions_of(scene), law_of(scene.material), 5.0)
     rows = [r for r in read_rows(whole[1] / "rows.csv") if r.model == "closed_form"]
     found = {r.quantity: r.value for r in rows}
@@ -134,7 +136,7 @@ def test_dead_force_and_tip_force_have_opposite_signs(write) -> None:
 )
 def test_wrong_tips_are_refused(write, load: str, tip: str, said: list[str]) -> None:
     with pytest.raises(SceneError) as refusal:
-        load_scene(write("wrong", load, tip))
+        load_bellows(write("wrong", load, tip))
     for words in said:
         assert words in str(refusal.value)
 
@@ -143,17 +145,17 @@ def test_force_of_a_free_tip_cannot_be_asked_for(write) -> None:
     path = write("requested", "")
     path.write_text(path.read_text().replace('["tip_mm"]', '["tip_force_n"]'), encoding="utf-8")
     with pytest.raises(SceneError, match='set load.tip = "blocked"'):
-        load_scene(path)
+        load_bellows(path)
 
 
 def test_closed_form_of_a_loaded_tip_is_refused_as_a_model(write) -> None:
-    scene = load_scene(write("loaded", "tip_force_n = 1.0"))
+    scene = load_bellows(write("loaded", "tip_force_n = 1.0"))
     with pytest.raises(SceneError, match="no force on its tip"):
         make_plan(scene, "closed_form")
 
 
 def test_plan_says_what_is_not_seen_of_a_blocked_tip_whose_modes_are_not_counted(write) -> None:
-    scene = load_scene(write("seen", 'tip = "blocked"'))
+    scene = load_bellows(write("seen", 'tip = "blocked"'))
     text = describe(scene, make_plan(scene))
     assert "blocked tip" in text
     assert "modes that bend the actuator sideways" not in text
@@ -163,7 +165,7 @@ def test_plan_says_what_is_not_seen_of_a_blocked_tip_whose_modes_are_not_counted
 
 def test_tip_is_part_of_a_runs_identity(write) -> None:
     hashes = {
-        run_hash(load_scene(write("one", load)), "axisymmetric", "r1")
+        run_hash(load_bellows(write("one", load)), "axisymmetric", "r1")
         for load in ("", 'tip = "blocked"', "tip_force_n = 0.1")
     }
     assert len(hashes) == 3

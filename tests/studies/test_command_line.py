@@ -13,7 +13,7 @@ import pyvista
 from click.testing import CliRunner
 
 from studies.__main__ import main
-from studies.models import runs
+from studies.models import run_log
 from studies.results.files import PATH_COLUMNS, read_path, read_summary
 from studies.results.rows import COLUMNS, read_rows
 
@@ -84,7 +84,7 @@ def interrupted(solved, tmp_path, monkeypatch, small_scene):
     shutil.copytree(solved, copy)
     shutil.rmtree(copy / "full3d-n8")
     command = ["solve", str(small_scene), "--out", str(copy), "--model", "full3d"]
-    save = runs.save_state
+    save = run_log.save_state
 
     def die_at_ten(folder, content_hash, state, row):
         if row.pressure_kpa > 9.0:
@@ -92,7 +92,7 @@ def interrupted(solved, tmp_path, monkeypatch, small_scene):
         save(folder, content_hash, state, row)
 
     with monkeypatch.context() as patch:
-        patch.setattr(runs, "save_state", die_at_ten)
+        patch.setattr(run_log, "save_state", die_at_ten)
         assert CliRunner().invoke(main, command).exit_code == 1
     run = copy / "full3d-n8"
     assert not (run / "summary.json").exists()
@@ -194,7 +194,7 @@ def test_closed_form_writes_the_same_files(small_scene, tmp_path):
 
 def test_stopped_run_exits_3_and_keeps_its_states(small_scene, tmp_path, monkeypatch):
     """A pressure beyond what the wall holds: the reached part is kept, the rest is a row that says why."""
-    monkeypatch.setattr("studies.planning.plan.MERIDIAN_LEVELS", (1, 2))  # the third level would take half a minute
+    monkeypatch.setattr("studies.planning.bellows.MERIDIANS", (1, 2))  # the third level would take half a minute
     text = small_scene.read_text().replace("[5.0, 10.0]", "[5.0, 700.0]")
     scene = tmp_path / "burst.toml"
     scene.write_text(text, encoding="utf-8")
@@ -210,7 +210,7 @@ def test_stopped_run_exits_3_and_keeps_its_states(small_scene, tmp_path, monkeyp
 
 @pytest.mark.parametrize("control", ["volume", "pressure"])
 def test_loss_of_stability_is_in_the_summary_with_its_mode(small_scene, tmp_path, monkeypatch, control):
-    monkeypatch.setattr("studies.planning.plan.MERIDIAN_LEVELS", (1,))
+    monkeypatch.setattr("studies.planning.bellows.MERIDIANS", (1,))
     text = (
         small_scene.read_text()
         .replace("[5.0, 10.0]", "[5.0, 60.0]")

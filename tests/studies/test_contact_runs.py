@@ -14,38 +14,41 @@ from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.forces import reaction
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.linear.factor import Factor
-from studies.models.build import Tip, scene_meridian, scene_problem
+from studies.models.axisymmetric import run_axisymmetric
+from studies.models.build import Tip, scene_problem
 from studies.models.contact import CONTACT_FILE, LIMIT, MODELLED, read_reports, scene_contact
-from studies.models.run_log import CONTACT, Log, Run
-from studies.models.runs import run_axisymmetric
+from studies.models.run_log import CONTACT, Log
 from studies.progress import Progress
-from studies.scene.bellows import Contact, Scene, load_scene
+from studies.results.runs import Run
+from studies.scene.bellows import BellowsScene, Contact
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_meridian
 
 WALL_MM = 2.0
 
 
 @pytest.fixture(scope="module")
-def smoke(root: Path) -> Scene:
-    return load_scene(root / "scenes" / "smoke-t2-ri5.toml")
+def smoke(root: Path) -> BellowsScene:
+    return load_bellows(root / "scenes" / "smoke-t2-ri5.toml")
 
 
-def changed(scene: Scene, pressures_kpa: list[float], model: str = "auto", **load: object) -> Scene:
+def changed(scene: BellowsScene, pressures_kpa: list[float], model: str = "auto", **load: object) -> BellowsScene:
     new = scene.load.model_copy(update={"pressure_kpa": pressures_kpa, **load})
     return scene.model_copy(update={"load": new, "contact": Contact.model_validate({"model": model})})
 
 
-def solved(scene: Scene, folder: Path) -> Run:
+def solved(scene: BellowsScene, folder: Path) -> Run:
     return run_axisymmetric(scene, 1, folder, MPI.COMM_WORLD, Progress(MPI.COMM_WORLD))
 
 
 @pytest.fixture(scope="module")
-def blocked(smoke: Scene, tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, Path]:
+def blocked(smoke: BellowsScene, tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, Path]:
     """The actuator with its tip held: its folds swell sideways and touch."""
     folder = tmp_path_factory.mktemp("blocked")
     return solved(changed(smoke, [9.0, 14.0], tip="blocked"), folder), folder
 
 
-def test_contact_comes_with_the_first_touch_and_holds(blocked: tuple[Run, Path], smoke: Scene) -> None:
+def test_contact_comes_with_the_first_touch_and_holds(blocked: tuple[Run, Path], smoke: BellowsScene) -> None:
     run, folder = blocked
     assert run.summary.status == "reached", run.summary.reason
     (note,) = [n for n in run.summary.plan if n.startswith(MODELLED)]
@@ -64,7 +67,9 @@ def test_contact_comes_with_the_first_touch_and_holds(blocked: tuple[Run, Path],
         assert entry.reaction_n + 1e-3 * entry.pressure_kpa * area == pytest.approx(entry.tip_force_n, rel=1e-6)
 
 
-def test_without_contact_folds_go_into_each_other(blocked: tuple[Run, Path], smoke: Scene, tmp_path: Path) -> None:
+def test_without_contact_folds_go_into_each_other(
+    blocked: tuple[Run, Path], smoke: BellowsScene, tmp_path: Path
+) -> None:
     run = solved(changed(smoke, [9.0, 14.0], "off", tip="blocked"), tmp_path)
     assert run.path[0].tip_force_n == pytest.approx(blocked[0].path[0].tip_force_n, rel=1e-9)
     assert any(n.startswith(CONTACT) for n in run.summary.plan)
@@ -74,7 +79,7 @@ def test_without_contact_folds_go_into_each_other(blocked: tuple[Run, Path], smo
 
 
 def test_a_run_that_was_interrupted_in_contact_goes_on_as_if_not(
-    blocked: tuple[Run, Path], smoke: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    blocked: tuple[Run, Path], smoke: BellowsScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     step = Log.step
 
@@ -92,14 +97,14 @@ def test_a_run_that_was_interrupted_in_contact_goes_on_as_if_not(
     assert [dataclasses.replace(entry, wall_s=0.0) for entry in again.path] == whole
 
 
-def test_an_open_scene_makes_no_contact(smoke: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_open_scene_makes_no_contact(smoke: BellowsScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(studies.models.contact, "scene_contact", None)  # would raise if called
     run = solved(changed(smoke, [2.0]), tmp_path)
     assert run.summary.status == "reached"
     assert not any(n.startswith((MODELLED, CONTACT)) for n in run.summary.plan)
 
 
-def test_vacuum_contracts_until_folds_touch_and_on(smoke: Scene, tmp_path: Path) -> None:
+def test_vacuum_contracts_until_folds_touch_and_on(smoke: BellowsScene, tmp_path: Path) -> None:
     run = solved(changed(smoke, [-0.5, -2.0]), tmp_path)
     assert run.summary.status == "reached", run.summary.reason
     asked = [entry for entry in run.path if entry.status == "requested"]
@@ -115,7 +120,7 @@ def test_vacuum_contracts_until_folds_touch_and_on(smoke: Scene, tmp_path: Path)
 
 
 @pytest.mark.parametrize("tip", ["cap", "rigid"])
-def test_vacuum_is_negative_pressure(smoke: Scene, tip: str) -> None:
+def test_vacuum_is_negative_pressure(smoke: BellowsScene, tip: str) -> None:
     """The same state, forces and count of modes whether solved as a vacuum or as a pressure below zero."""
     scene = smoke.model_copy(update={"geometry": smoke.geometry.model_copy(update={"tip": tip})})
     found = []
@@ -145,7 +150,7 @@ def test_vacuum_is_negative_pressure(smoke: Scene, tip: str) -> None:
     ],
 )
 def test_nothing_touches_in_the_unloaded_state(root: Path, name: str, section: str, change: dict[str, str]) -> None:
-    scene = load_scene(root / "scenes" / f"{name}.toml")
+    scene = load_bellows(root / "scenes" / f"{name}.toml")
     scene = scene.model_copy(update={section: getattr(scene, section).model_copy(update=change)})
     mesh = scene_meridian(scene, 1)
     problem = scene_problem(scene, mesh, MPI.COMM_SELF)

@@ -24,7 +24,7 @@ from studies.cost.rows import (
 )
 from studies.cost.study import Store, cell_key, measure_cell, peer_rows, study_rows
 from studies.results.rows import Row, read_rows, row, write_rows
-from studies.scene.bellows import Scene
+from studies.scene.bellows import BellowsScene
 
 MERIDIANS = [Cell(BELLOWS, "axisymmetric", "tet", f"r{r}", "auto") for r in (1, 2, 4)]
 BODY = Cell(BELLOWS, "full3d", "hex", "n8", "warm", 2, 1)
@@ -56,7 +56,7 @@ def test_cells_are_told_apart_and_can_all_be_made_into_scenes() -> None:
     for cell in cells:
         scene = cell_scene(cell)
         assert scene.mesh.element == ("auto" if cell.element == "none" else cell.element)
-        if isinstance(scene, Scene) and cell.element == "hex":
+        if isinstance(scene, BellowsScene) and cell.element == "hex":
             assert scene.rings.model == "rigid"
     assert len({cell_key(cell) for cell in cells}) == len(cells)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -13,14 +14,18 @@ from scipy.spatial.transform import Rotation
 from meshes.errors import GeometryError
 from solvers.state import State
 from studies.__main__ import main
-from studies.imperfection.study import Case, run_study, write_report
-from studies.models.build import scene_body, scene_meridian
-from studies.models.runs import run_hash
-from studies.models.tip_pose import tip_pose
+from studies.engine import Setting, run
+from studies.imperfection.bodies import Actuator, solve
+from studies.imperfection.study import STUDY
+from studies.models.build import tip_pose
 from studies.planning.levels import BodyLevel
-from studies.planning.plan import describe, make_plan
+from studies.planning.planner import describe, make_plan
+from studies.progress import Progress
 from studies.results.rows import read_rows
-from studies.scene.bellows import core_shift_mm, load_scene, without_eccentricity
+from studies.results.runs import run_hash
+from studies.scene.bellows import core_shift_mm, without_eccentricity
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_body, scene_meridian
 from studies.scene.sections import SceneError
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -44,7 +49,7 @@ def edited(tmp_path):
 
 
 def test_plan_answers_full_3d_and_says_why() -> None:
-    scene = load_scene(SHORT)
+    scene = load_bellows(SHORT)
     plan = make_plan(scene)
     assert plan.model == "full3d" and plan.around_levels
     text = describe(scene, plan)
@@ -57,7 +62,7 @@ def test_plan_answers_full_3d_and_says_why() -> None:
 @pytest.mark.parametrize("model", ["axisymmetric", "sector", "closed_form"])
 def test_symmetric_models_are_refused(model) -> None:
     with pytest.raises(SceneError, match=r"geometry\.eccentricity = 0\.1 is not rotationally symmetric"):
-        make_plan(load_scene(SHORT), model)
+        make_plan(load_bellows(SHORT), model)
     done = CliRunner().invoke(main, ["plan", str(SHORT), "--model", model])
     assert done.exit_code == 2
 
@@ -72,18 +77,18 @@ def test_symmetric_models_are_refused(model) -> None:
 )
 def test_what_is_not_modelled_is_refused(edited, changes, reason) -> None:
     with pytest.raises(SceneError, match=reason):
-        load_scene(edited(*changes))
+        load_bellows(edited(*changes))
 
 
 def test_sector_of_a_shifted_core_is_refused() -> None:
-    scene = load_scene(SHORT)
+    scene = load_bellows(SHORT)
     with pytest.raises(GeometryError, match="take full3d"):
         scene_body(scene_meridian(scene, 1), "sector", 8, core_shift_mm(scene))
 
 
 def test_only_the_body_knows_of_the_shift(edited) -> None:
-    scene = load_scene(SHORT)
-    other = load_scene(edited(("eccentricity = 0.10 ", "eccentricity = 0.05 ")))
+    scene = load_bellows(SHORT)
+    other = load_bellows(edited(("eccentricity = 0.10 ", "eccentricity = 0.05 ")))
     assert run_hash(scene, "full3d", "n8") != run_hash(other, "full3d", "n8")
     assert run_hash(scene, "axisymmetric", "r1") == run_hash(other, "axisymmetric", "r1")
     assert run_hash(without_eccentricity(scene), "axisymmetric", "r1") == run_hash(scene, "axisymmetric", "r1")
@@ -91,7 +96,7 @@ def test_only_the_body_knows_of_the_shift(edited) -> None:
 
 
 def test_pose_of_a_turned_and_shifted_tip() -> None:
-    scene = load_scene(SHORT)
+    scene = load_bellows(SHORT)
     meridian = scene_meridian(scene, 1)
     body = scene_body(meridian, "full3d", 6)
     turn = Rotation.from_euler("y", 7.0, degrees=True)
@@ -107,31 +112,31 @@ def test_pose_of_a_turned_and_shifted_tip() -> None:
 
 def test_bend_is_of_first_and_elongation_of_second_order(edited, tmp_path) -> None:
     file = edited(("convolutions = 2", "convolutions = 1"), ("cap_mm = 5.0", "cap_mm = 3.0"))
-    case = Case(str(file), (2.0,), (BodyLevel(6, 1),))
-    out = tmp_path / "out"
-    ((_, found),) = run_study(out, MPI.COMM_SELF, [case])
-    centred, small, large = found
+    actuator = Actuator("mini", str(file), (2.0,), (BodyLevel(6, 1),))
+    study = dataclasses.replace(STUDY, cases=lambda options: [actuator])
+    assert run(study, tmp_path, MPI.COMM_SELF, {}) == 0
+    at = Setting(tmp_path, MPI.COMM_SELF, Progress(MPI.COMM_SELF), {})
+    centred, small, large = found = solve(actuator, at)
     assert [f.run.summary.status for f in found] == ["reached"] * 3
     # centred: the bend is round-off; bodies that turn take no more iterations than a few
     assert abs(centred.poses[2.0].bend_deg) < 1e-8
     assert all(row.newton_iterations <= 10 for f in found for row in f.run.path)
     bends = [f.poses[2.0].bend_deg for f in (small, large)]
     assert abs(bends[0]) > 0.1 and bends[1] / bends[0] == pytest.approx(2.0, rel=0.02)
-    changes = [f.tip_mm(2.0) - centred.tip_mm(2.0) for f in (small, large)]
+    changes = [f.value("tip_mm", 2.0) - centred.value("tip_mm", 2.0) for f in (small, large)]
     assert changes[1] / changes[0] == pytest.approx(4.0, rel=0.05)
     # the shift is along x: nothing goes along y
     assert abs(large.poses[2.0].across_mm) < 1e-6 * abs(large.poses[2.0].sideways_mm)
     assert all(f.run.path[-1].unstable_modes == 0 for f in found)
 
-    report = write_report(out, [(case, found)])
-    assert "grows with order" in report.read_text(encoding="utf-8")
-    assert (out / "pictures" / "bend.png").stat().st_size > 1000
-    assert (out / "pictures" / "bent-mini.png").stat().st_size > 1000
-    rows = read_rows(out / "rows.csv")
+    assert "grows with order" in (tmp_path / "report.md").read_text(encoding="utf-8")
+    assert (tmp_path / "pictures" / "bend.png").stat().st_size > 1000
+    assert (tmp_path / "pictures" / "bent-mini.png").stat().st_size > 1000
+    rows = read_rows(tmp_path / "rows.csv")
     assert {r.quantity for r in rows} == {"tip_mm", "tip_bend_deg", "tip_sideways_mm", "unstable_modes"}
     tip = next(r for r in rows if r.scene == "mini-e10" and r.quantity == "tip_mm")
-    assert tip.reference == pytest.approx(centred.tip_mm(2.0), rel=1e-8)
+    assert tip.reference == pytest.approx(centred.value("tip_mm", 2.0), rel=1e-8)
 
-    ((_, again),) = run_study(out, MPI.COMM_SELF, [case])
+    again = solve(actuator, at)
     assert [f.run.summary.when for f in again] == [f.run.summary.when for f in found]
     assert [f.run.summary.time_s for f in again] == [f.run.summary.time_s for f in found]

@@ -86,6 +86,12 @@ def test_bad_cases_are_refused_with_nothing_written(tmp_path: Path) -> None:
     assert not (tmp_path / "new").exists()
 
 
+def test_output_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    done = CliRunner().invoke(command_of(study_of(1.0)), ["--out", str(tmp_path / "file" / "out")])
+    assert done.exit_code == 2 and "is not a folder that can be written to" in done.output
+
+
 def test_values_are_kept_under_what_decides_them(tmp_path: Path) -> None:
     file, case = tmp_path / "deep" / "case.json", Case("a", math.nan)
     keep(file, content_key(case, 1), case)

@@ -23,11 +23,9 @@ from studies.cost.error_fit import (
     time_laws,
     training_scenes,
 )
-from studies.models.build import scene_meridian
 from studies.planning import error_model
 from studies.planning.error_model import (
     FITS,
-    LEVELS,
     Cells,
     checked_error_percent,
     choose,
@@ -38,19 +36,22 @@ from studies.planning.error_model import (
     predicted_seconds,
     predicted_unknowns,
 )
+from studies.planning.levels import MERIDIANS
 from studies.progress import Progress
 from studies.results import provenance
 from studies.results.rows import row
-from studies.scene.bellows import Scene, load_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_meridian
 
 CHECKS = sorted(TOLERANCE_SCENES.glob("*.toml"))
 
 
-def actuator() -> Scene:
-    return load_scene(provenance.ROOT / "scenes" / "heung-t2-ri5.toml")
+def actuator() -> BellowsScene:
+    return load_bellows(provenance.ROOT / "scenes" / "heung-t2-ri5.toml")
 
 
-def with_tolerance(scene: Scene, percent: float) -> Scene:
+def with_tolerance(scene: BellowsScene, percent: float) -> BellowsScene:
     return scene.model_copy(update={"ask": scene.ask.model_copy(update={"tolerance_percent": percent})})
 
 
@@ -62,7 +63,7 @@ def made_up_samples(power: float, count: int = 12) -> list[Sample]:
         of = tuple(random.uniform(-1.0, 1.0, 7))
         error = math.exp(power * of[0])
         tips: dict[int, tuple[float, ...]] = {
-            level: (10.0 * (1.0 + 0.01 * error / level**2),) for level in (*LEVELS, FINEST)
+            level: (10.0 * (1.0 + 0.01 * error / level**2),) for level in (*MERIDIANS, FINEST)
         }
         nothing = dict.fromkeys(tips, 1)
         found.append(Sample(f"s{k}", "hex", of, tips, dict.fromkeys(tips, 1.0), nothing))
@@ -70,7 +71,7 @@ def made_up_samples(power: float, count: int = 12) -> list[Sample]:
 
 
 def test_ten_check_scenes_span_what_they_should_and_are_not_trained_on() -> None:
-    scenes = [load_scene(path) for path in CHECKS]
+    scenes = [load_bellows(path) for path in CHECKS]
     assert len(scenes) == 10
     assert {scene.material.law for scene in scenes} == {"yeoh", "ogden"}
     assert len({(s.rings.seat_mm, s.geometry.fillet_mm, s.geometry.half_pitch_mm) for s in scenes}) == 3
@@ -110,8 +111,8 @@ def test_a_sector_has_a_quarter_of_the_unknowns() -> None:
 @pytest.mark.parametrize("cells", ["hex", "tet"])
 def test_finer_is_predicted_more_exact_and_slower(cells: Cells) -> None:
     scene = in_cells(actuator(), cells)
-    errors = [predicted_error_percent(scene, "axisymmetric", f"r{level}") for level in LEVELS]
-    seconds = [predicted_seconds(scene, "axisymmetric", f"r{level}") for level in LEVELS]
+    errors = [predicted_error_percent(scene, "axisymmetric", f"r{level}") for level in MERIDIANS]
+    seconds = [predicted_seconds(scene, "axisymmetric", f"r{level}") for level in MERIDIANS]
     assert errors == sorted(errors, reverse=True)
     assert seconds == sorted(seconds)
     bodies = [predicted_error_percent(scene, "full3d", level) for level in ("n8", "n12")]
@@ -182,5 +183,5 @@ def test_one_small_scene_from_runs_to_rows(tmp_path: Path) -> None:
     limits = {scene.name: found.limits_mm()}
     rows = check_rows([scene], [found], limits)
     checked = factors(rows, "checked_error_percent", "hex")
-    assert len(checked) == len(LEVELS)
+    assert len(checked) == len(MERIDIANS)
     assert all(factor >= 1.0 for factor in checked.values())

@@ -11,11 +11,12 @@ import pytest
 from click.testing import CliRunner, Result
 
 from studies.__main__ import main
-from studies.models import body_run as exact_run
+from studies.models import run_log
 from studies.results.exact_answers import exact_bore_mm, exact_crossing_kpa
 from studies.results.files import PATH_COLUMNS, read_path, read_summary
 from studies.results.rows import COLUMNS, Row, read_rows
-from studies.scene.bodies import ExactScene, load_any_scene
+from studies.scene.bodies import BodyScene
+from studies.scene.files import load_scene
 from studies.scene.sections import SceneError
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -52,9 +53,9 @@ def solved(path: Path, out: Path, *options: str) -> list[Row]:
     return read_rows(out / "rows.csv")
 
 
-def shipped(name: str) -> ExactScene:
-    found = load_any_scene(SCENES / f"{name}.toml")
-    assert isinstance(found, ExactScene)
+def shipped(name: str) -> BodyScene:
+    found = load_scene(SCENES / f"{name}.toml")
+    assert isinstance(found, BodyScene)
     return found
 
 
@@ -71,7 +72,7 @@ def finest(rows: list[Row], quantity: str) -> list[Row]:
 @pytest.mark.parametrize("name", ["tube", "sphere"])
 def test_tube_and_sphere_in_three_dimensions(scene, tmp_path, monkeypatch, name: str, model: str, law: str) -> None:
     # the coarser of the default meshes: seconds instead of tens, and the bar holds for it already
-    monkeypatch.setattr("studies.planning.body_plan.AROUND_LEVELS", {"hexahedra": ("n8",), "tetrahedra": ("n12",)})
+    monkeypatch.setattr("studies.planning.bodies.AROUND_LEVELS", {"hexahedra": ("n8",), "tetrahedra": ("n12",)})
     pressures = ("[10.0, 20.0, 30.0]", "[10.0, 25.0]")
     changes = [pressures]
     if (name, law) in (("tube", "ogden"), ("sphere", "yeoh")):
@@ -107,8 +108,8 @@ def test_default_plan_gives_the_uncertainty_of_meridian_levels(scene, tmp_path) 
 
 @pytest.mark.parametrize("model", ["axisymmetric", "sector"])
 def test_capped_tube(scene, tmp_path, monkeypatch, model: str) -> None:
-    monkeypatch.setattr("studies.planning.body_plan.MERIDIAN_LEVELS", ("r1",))
-    monkeypatch.setattr("studies.planning.body_plan.AROUND_LEVELS", {"hexahedra": ("n8",)})
+    monkeypatch.setattr("studies.planning.bodies.MERIDIAN_LEVELS", ("r1",))
+    monkeypatch.setattr("studies.planning.bodies.AROUND_LEVELS", {"hexahedra": ("n8",)})
     path = scene("tube", ('ends = "plane-strain"', 'ends = "capped"'), ("20.0, 30.0]", "25.0]"))
     for row in finest(solved(path, tmp_path / "out", "--model", model), "bore_mm"):
         # the cap glides on a layer of finite stiffness; measured 0.003 %
@@ -127,7 +128,7 @@ def test_bonded_tube_has_no_exact_answer(scene, tmp_path) -> None:
 
 
 def test_limit_point_is_found_without_being_told_where(scene, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("studies.planning.body_plan.MERIDIAN_LEVELS", ("r1", "r2"))
+    monkeypatch.setattr("studies.planning.bodies.MERIDIAN_LEVELS", ("r1", "r2"))
     (limit,) = finest(solved(scene("sphere-limit"), tmp_path / "out"), "limit_kpa")
     assert abs(limit.error_percent) <= 0.5  # the bar of DESIGN.md; measured 0.0001 %
     crossing = read_summary(tmp_path / "out").crossing
@@ -135,7 +136,7 @@ def test_limit_point_is_found_without_being_told_where(scene, tmp_path, monkeypa
 
 
 def test_no_limit_point_is_reported_where_there_is_none(scene, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("studies.planning.body_plan.MERIDIAN_LEVELS", ("r1",))
+    monkeypatch.setattr("studies.planning.bodies.MERIDIAN_LEVELS", ("r1",))
     path = scene("sphere", ('quantities = ["bore_mm"]', 'quantities = ["bore_mm", "limit_kpa"]'))
     (limit,) = finest(solved(path, tmp_path / "out"), "limit_kpa")
     assert math.isnan(limit.value)
@@ -145,7 +146,7 @@ def test_no_limit_point_is_reported_where_there_is_none(scene, tmp_path, monkeyp
 
 @pytest.mark.parametrize(("name", "load"), [("ring-2", "external"), ("ring-3", "external"), ("ring-3", "dead")])
 def test_ring_buckles_where_it_should(scene, tmp_path, monkeypatch, name: str, load: str) -> None:
-    monkeypatch.setattr("studies.planning.body_plan.RING_LEVELS", ("r1",))
+    monkeypatch.setattr("studies.planning.bodies.RING_LEVELS", ("r1",))
     rows = solved(scene(name, ('kind = "external" ', f'kind = "{load}" ')), tmp_path / "out")
     (crossing,) = finest(rows, "crossing_kpa")
     assert abs(crossing.error_percent) <= 1.0  # the bar of DESIGN.md; measured 0.55 and 0.19 %
@@ -156,7 +157,7 @@ def test_ring_buckles_where_it_should(scene, tmp_path, monkeypatch, name: str, l
 
 
 def test_rivlins_cube_gives_way_at_twice_the_shear_modulus(scene, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("studies.planning.body_plan.BLOCK_LEVELS", ("n2",))
+    monkeypatch.setattr("studies.planning.bodies.BLOCK_LEVELS", ("n2",))
     rows = solved(scene("cube"), tmp_path / "out")
     (crossing,) = finest(rows, "crossing_kpa")
     assert abs(crossing.error_percent) <= 0.1  # the bar of DESIGN.md; measured 0.0003 %, the interval's width
@@ -191,7 +192,7 @@ def test_users_mesh_whose_load_has_no_potential_is_solved_and_said_to_be_so(scen
 
 
 def test_pressure_beyond_the_limit_point_exits_3_and_keeps_what_was_reached(scene, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("studies.planning.body_plan.MERIDIAN_LEVELS", ("r1",))
+    monkeypatch.setattr("studies.planning.bodies.MERIDIAN_LEVELS", ("r1",))
     path = scene("sphere-limit", ("[10.0, 20.0]", "[20.0, 31.0]"), (', "limit_kpa"', ""))
     out = tmp_path / "out"
     assert run("solve", path, "--out", out).exit_code == 3
@@ -203,9 +204,9 @@ def test_pressure_beyond_the_limit_point_exits_3_and_keeps_what_was_reached(scen
 
 
 def test_interrupted_run_goes_on_to_the_same_answer(scene, tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("studies.planning.body_plan.BLOCK_LEVELS", ("n2",))
+    monkeypatch.setattr("studies.planning.bodies.BLOCK_LEVELS", ("n2",))
     path, out = scene("cube"), tmp_path / "out"
-    save = exact_run.save_state
+    save = run_log.save_state
 
     def die_at_the_second(folder, content_hash, state, row):
         if row.pressure_kpa > 150.0:
@@ -213,7 +214,7 @@ def test_interrupted_run_goes_on_to_the_same_answer(scene, tmp_path, monkeypatch
         save(folder, content_hash, state, row)
 
     with monkeypatch.context() as patch:
-        patch.setattr(exact_run, "save_state", die_at_the_second)
+        patch.setattr(run_log, "save_state", die_at_the_second)
         assert run("solve", path, "--out", out).exit_code == 1
     assert (out / "full3d-n2" / "checkpoint.npz").exists()
     rows, whole = solved(path, out), solved(path, tmp_path / "whole")
@@ -243,7 +244,7 @@ def test_batch_and_report(scene, tmp_path) -> None:
 
 @pytest.mark.parametrize("path", sorted(SCENES.glob("*.toml")), ids=lambda p: p.stem)
 def test_shipped_scenes_are_accepted_and_planned(path: Path) -> None:
-    assert load_any_scene(path).name == path.stem
+    assert load_scene(path).name == path.stem
     result = run("plan", path)
     assert result.exit_code == 0
     assert "path from 0 through" in result.output
@@ -278,7 +279,7 @@ def test_exact_crossings_by_kind() -> None:
 def test_wrong_scenes_exit_2_and_write_nothing(scene, tmp_path, name: str, old: str, new: str, said: str) -> None:
     path, out = scene(name, (old, new)), tmp_path / "out"
     with pytest.raises(SceneError) as refusal:
-        load_any_scene(path)
+        load_scene(path)
     assert said in str(refusal.value)
     assert run("solve", path, "--out", out).exit_code == 2
     assert not out.exists()
@@ -289,7 +290,7 @@ def test_a_mesh_that_nothing_holds_is_refused(scene, tmp_path) -> None:
     mesh = tmp_path / "octant.msh"
     mesh.write_bytes(mesh.read_bytes().replace(b'"symmetry_x"', b'"outer"'))
     with pytest.raises(SceneError, match="nothing holds the body.*along x: symmetry_x"):
-        load_any_scene(path)
+        load_scene(path)
 
 
 def test_models_a_body_has_not_are_refused(scene) -> None:

@@ -9,18 +9,19 @@ import pytest
 from mpi4py import MPI
 
 from studies.models.session import SceneResult, read_scene_folder, run_plan
-from studies.planning.expectations import CHECKED_ERROR, PREDICTED_ERROR, PREDICTED_WORK, WORK
-from studies.planning.plan import describe, make_plan
+from studies.planning.planner import describe, make_plan
 from studies.progress import Progress
 from studies.results import provenance
-from studies.scene.bellows import Scene, load_scene
+from studies.results.expectations import CHECKED_ERROR, PREDICTED_ERROR, PREDICTED_WORK, WORK
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
 
 SCENE = provenance.ROOT / "scenes" / "peers" / "bellows.toml"
 
 
-def short_bellows(tolerance_percent: float, blocked: bool = False) -> Scene:
+def short_bellows(tolerance_percent: float, blocked: bool = False) -> BellowsScene:
     """Two convolutions with rigid rings, unfolded little."""
-    scene = load_scene(SCENE)
+    scene = load_bellows(SCENE)
     return scene.model_copy(
         update={
             "rings": scene.rings.model_copy(update={"model": "rigid"}),
@@ -30,7 +31,7 @@ def short_bellows(tolerance_percent: float, blocked: bool = False) -> Scene:
     )
 
 
-def solved(scene: Scene, folder: Path) -> SceneResult:
+def solved(scene: BellowsScene, folder: Path) -> SceneResult:
     """The axisymmetric plan of a scene, done."""
     return run_plan(scene, SCENE.read_text(), make_plan(scene), folder, MPI.COMM_WORLD, Progress(MPI.COMM_WORLD))
 
@@ -62,14 +63,14 @@ def test_a_tolerance_that_the_check_does_not_hold_solves_a_finer_mesh(tmp_path: 
 
 
 def test_a_mesh_that_the_prediction_rules_out_is_not_solved() -> None:
-    assert make_plan(short_bellows(0.01)).meridian_levels == (2, 4)
-    assert make_plan(short_bellows(1.0)).meridian_levels == (1, 2, 4)
-    assert make_plan(short_bellows(0.01), "axisymmetric").meridian_levels == (1, 2, 4)
+    assert make_plan(short_bellows(0.01)).levels == ("r2", "r4")
+    assert make_plan(short_bellows(1.0)).levels == ("r1", "r2", "r4")
+    assert make_plan(short_bellows(0.01), "axisymmetric").levels == ("r1", "r2", "r4")
 
 
 def test_a_blocked_tip_is_not_what_the_model_knows() -> None:
     plan = make_plan(short_bellows(1.0, blocked=True))
-    assert plan.choice is None and plan.meridian_levels == (1, 2, 4)
+    assert plan.choice is None and plan.levels == ("r1", "r2", "r4")
 
 
 def test_a_folder_read_back_tells_the_same(tmp_path: Path) -> None:
@@ -79,7 +80,7 @@ def test_a_folder_read_back_tells_the_same(tmp_path: Path) -> None:
         assert old in text
         text = text.replace(old, new)
     made = run_plan(scene, text, make_plan(scene), tmp_path, MPI.COMM_WORLD, Progress(MPI.COMM_WORLD))
-    assert read_scene_folder(tmp_path).remark == made.remark != ""
+    assert read_scene_folder(made.scene, tmp_path).remark == made.remark != ""
 
 
 def test_a_plan_says_what_it_does_about_contact_and_vacuum() -> None:

@@ -10,20 +10,21 @@ from mpi4py import MPI
 
 from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
-from studies.models import runs
+from studies.models import full3d
+from studies.models.axisymmetric import run_axisymmetric
 from studies.planning.levels import BodyLevel
 from studies.progress import Progress
-from studies.scene.bellows import Scene, load_scene
-from studies.scene.bodies import load_any_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows, load_scene
 from studies.scene.sections import SceneError
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture
-def small(tmp_path) -> Scene:
+def small(tmp_path) -> BellowsScene:
     text = (ROOT / "scenes" / "smoke-t2-ri5.toml").read_text(encoding="utf-8")
-    scene = load_scene(_written(tmp_path / "small.toml", text))
+    scene = load_bellows(_written(tmp_path / "small.toml", text))
     geometry = scene.geometry.model_copy(update={"convolutions": 1})
     return scene.model_copy(
         update={"geometry": geometry, "load": scene.load.model_copy(update={"pressure_kpa": [2.0]})}
@@ -37,22 +38,22 @@ def _written(path: Path, text: str) -> Path:
 
 def test_where_factors_do_not_fit_the_body_is_solved_iteratively(small, tmp_path, monkeypatch) -> None:
     comm, progress = MPI.COMM_SELF, Progress(MPI.COMM_SELF)
-    runs.run_axisymmetric(small, 1, tmp_path / "flat", comm, progress)
+    run_axisymmetric(small, 1, tmp_path / "flat", comm, progress)
     level = BodyLevel(6)
 
-    def body(name: str) -> runs.Run:
-        return runs.run_body(small, "full3d", level, tmp_path / "flat", tmp_path / name, comm, progress, ())
+    def body(name: str) -> full3d.Run:
+        return full3d.run_full3d(small, "full3d", level, tmp_path / "flat", tmp_path / name, comm, progress, ())
 
     whole = body("direct")
-    monkeypatch.setattr(runs, "Factor", _NoFactor)
+    monkeypatch.setattr(full3d, "Factor", _NoFactor)
     found = body("auto")
     assert found.summary.status == "reached"
     assert found.path[-1].tip_mm == pytest.approx(whole.path[-1].tip_mm, rel=1e-6)
     assert [row.unstable_modes for row in whole.path] == [0.0]
     assert math.isnan(found.path[-1].unstable_modes)
     assert any("solved iteratively from there" in note for note in found.summary.plan)
-    assert runs.NOT_COUNTED in found.summary.plan
-    assert runs.NOT_COUNTED not in whole.summary.plan
+    assert full3d.NOT_COUNTED in found.summary.plan
+    assert full3d.NOT_COUNTED not in whole.summary.plan
 
 
 class _NoFactor(Factor):
@@ -71,4 +72,4 @@ def test_small_bodies_and_linear_elements_are_not_solved_iteratively(tmp_path) -
         (bellows + '\n[mesh]\nsolver = "iterative"\nelement = "tet-p1"\n', "made for quadratic elements"),
     ):
         with pytest.raises(SceneError, match=said):
-            load_any_scene(_written(tmp_path / "scene.toml", text))
+            load_scene(_written(tmp_path / "scene.toml", text))

@@ -15,9 +15,10 @@ from analytical.bellows.chains import closed_form
 from analytical.bellows.loads import held_tip
 from meshes.bellows import BellowsShape, wall_segments
 from solvers.state import State
-from studies.models.runs import run_axisymmetric
+from studies.models.axisymmetric import run_axisymmetric
 from studies.progress import Progress
-from studies.results.files import PathRow
+from studies.results.files import PathRow, save_state
+from studies.results.measured_rows import measured_rows, model_values, unfolding_pressure
 from studies.results.measures import (
     NEAR_EDGE_MM,
     Places,
@@ -26,13 +27,11 @@ from studies.results.measures import (
     largest_stretches,
     mean_along,
     measure,
-    measured_rows,
-    model_values,
-    unfolding_pressure,
 )
 from studies.results.rows import Row
-from studies.results.states import save_state
-from studies.scene.bellows import Load, Scene, dimensions_of, law_of, load_scene, shape_of
+from studies.scene.bellows import BellowsScene, Load, dimensions_of, shape_of
+from studies.scene.files import load_bellows
+from studies.scene.materials import law_of
 
 RINGS = ("rigid", "meshed", "none")
 # u_r = (a - 1) r, u_z = (b - 1) z + g r
@@ -40,12 +39,12 @@ A, B, G = 1.3, 1.1, 0.4
 
 
 @pytest.fixture(scope="module")
-def scene(root: Path) -> Scene:
+def scene(root: Path) -> BellowsScene:
     """Quadrilaterals and rigid rings, R_i = 5, R_p = 10.5, t = 2 mm, two roots, 5 and 10 kPa."""
-    return load_scene(root / "scenes" / "smoke-t2-ri5.toml")
+    return load_bellows(root / "scenes" / "smoke-t2-ri5.toml")
 
 
-def with_rings(scene: Scene, model: str) -> Scene:
+def with_rings(scene: BellowsScene, model: str) -> BellowsScene:
     """Meshed rings come with triangles."""
     return scene.model_copy(update={"rings": scene.rings.model_copy(update={"model": model})})
 
@@ -74,7 +73,7 @@ def side_stretches(shape: BellowsShape) -> list[float]:
 
 
 @pytest.mark.parametrize("rings", RINGS)
-def test_an_affine_state_is_measured_exactly(scene: Scene, rings: str) -> None:
+def test_an_affine_state_is_measured_exactly(scene: BellowsScene, rings: str) -> None:
     scene = with_rings(scene, rings)
     shape, places = shape_of(scene), find_places(scene, 1)
     centres, slip = shape.crest_positions_mm, 0.01
@@ -104,7 +103,7 @@ def test_an_affine_state_is_measured_exactly(scene: Scene, rings: str) -> None:
 
 
 @pytest.mark.parametrize("rings", RINGS)
-def test_a_uniform_swelling_stretches_every_wall_alike(scene: Scene, rings: str) -> None:
+def test_a_uniform_swelling_stretches_every_wall_alike(scene: BellowsScene, rings: str) -> None:
     scene = with_rings(scene, rings)
     places = find_places(scene, 1)
     swollen = state_of(affine(places.points, 1.2, 1.2, 0.0))
@@ -113,7 +112,7 @@ def test_a_uniform_swelling_stretches_every_wall_alike(scene: Scene, rings: str)
 
 @pytest.mark.parametrize("rings", RINGS)
 @pytest.mark.parametrize("refinement", [1, 2])
-def test_places_are_where_they_are_said_to_be(scene: Scene, rings: str, refinement: int) -> None:
+def test_places_are_where_they_are_said_to_be(scene: BellowsScene, rings: str, refinement: int) -> None:
     scene = with_rings(scene, rings)
     shape, places = shape_of(scene), find_places(scene, refinement)
     x, inner, t = places.points, shape.root_radius_mm, shape.wall_mm
@@ -143,7 +142,7 @@ def test_places_are_where_they_are_said_to_be(scene: Scene, rings: str, refineme
     assert np.array_equal(places.near_edge, near)
 
 
-def test_a_peak_is_found_and_named(scene: Scene) -> None:
+def test_a_peak_is_found_and_named(scene: BellowsScene) -> None:
     places = find_places(scene, 4)  # cells of 1/3 mm: a node moved alone is felt less than 0.5 mm away
 
     def peaks(node: int) -> tuple[dict[str, float], dict[str, str]]:
@@ -162,7 +161,7 @@ def test_a_peak_is_found_and_named(scene: Scene) -> None:
     assert set(place.values()) == {"cap, outside"}
 
 
-def test_what_rings_alone_do_is_not_measured(scene: Scene) -> None:
+def test_what_rings_alone_do_is_not_measured(scene: BellowsScene) -> None:
     scene = with_rings(scene, "meshed")
     places = find_places(scene, 1)
     u = affine(places.points)
@@ -198,7 +197,7 @@ def test_unfolding_is_interpolated_between_states() -> None:
     assert 5.0 < unfolding_pressure([5.0, 10.0, 15.0], [1.0, 3.0, 1.0], 2.0) < 10.0
 
 
-def test_the_model_says_what_it_knows(scene: Scene) -> None:
+def test_the_model_says_what_it_knows(scene: BellowsScene) -> None:
     chain = closed_form(dimensions_of(scene), law_of(scene.material), 10.0)
     free = model_values(scene, 10.0)
     assert free["root_stretch_outer"] == chain.root_stretch[0]
@@ -233,7 +232,7 @@ def only(rows: list[Row], **wanted: Any) -> list[Row]:
     return [r for r in rows if all(getattr(r, name) == value for name, value in wanted.items())]
 
 
-def test_rows_of_levels_beside_the_model(scene: Scene, tmp_path: Path) -> None:
+def test_rows_of_levels_beside_the_model(scene: BellowsScene, tmp_path: Path) -> None:
     # growth g(p) + 0.01 h^2, h = 1, 1/2, 1/4: second order; the finest level stopped before 10 kPa
     limit = {5.0: 0.2, 10.0: 0.9}
     runs = []
@@ -270,7 +269,7 @@ def test_rows_of_levels_beside_the_model(scene: Scene, tmp_path: Path) -> None:
     assert {r.status for r in rows} == {"reached", r4.status}
 
 
-def test_states_of_other_content_are_not_measured(scene: Scene, tmp_path: Path) -> None:
+def test_states_of_other_content_are_not_measured(scene: BellowsScene, tmp_path: Path) -> None:
     run = keep(tmp_path, "r1", [swollen(find_places(scene, 1), 0.2, 5.0)])
     run.summary.content_hash = "another"
     rows = measured_rows(scene, [run], tmp_path)
@@ -278,7 +277,7 @@ def test_states_of_other_content_are_not_measured(scene: Scene, tmp_path: Path) 
     assert rows[-1].status == "not reached up to 0 kPa"
 
 
-def test_a_small_run_is_consistent(scene: Scene, tmp_path: Path) -> None:
+def test_a_small_run_is_consistent(scene: BellowsScene, tmp_path: Path) -> None:
     asked = scene.model_copy(update={"load": Load(pressure_kpa=[5.0])})
     run = run_axisymmetric(asked, 1, tmp_path / "axisymmetric-r1", MPI.COMM_SELF, Progress(MPI.COMM_SELF))
     rows = measured_rows(asked, [run], tmp_path)

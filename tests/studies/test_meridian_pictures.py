@@ -16,33 +16,33 @@ from matplotlib.patches import Rectangle
 
 from meshes.solid import REGIONS
 from solvers.state import State
-from studies.models.build import scene_meridian
 from studies.report.pictures import roots
 from studies.report.pictures.child import draw_side_by_side
 from studies.report.pictures.roots import RootPanel, draw_root_fields, root_panel
 from studies.report.pictures.stills import RingBox, Still
 from studies.report.style import figure_file
-from studies.results.files import PathRow
-from studies.results.states import save_state
-from studies.scene.bellows import Scene, load_scene, shape_of
+from studies.results.files import PathRow, save_state
+from studies.scene.bellows import BellowsScene, shape_of
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_meridian
 
 STRETCH, WIDENING, PRESSURE_MPA = 1.5, 1.1, 0.03
 
 
 @pytest.fixture(scope="module")
-def smoke(root: Path) -> Scene:
+def smoke(root: Path) -> BellowsScene:
     """Two convolutions or so, coarse."""
-    return load_scene(root / "scenes" / "smoke-t2-ri5.toml")
+    return load_bellows(root / "scenes" / "smoke-t2-ri5.toml")
 
 
-def changed(scene: Scene, **tables: dict[str, Any]) -> Scene:
+def changed(scene: BellowsScene, **tables: dict[str, Any]) -> BellowsScene:
     data = scene.model_dump()
     for table, changes in tables.items():
         data[table] |= changes
-    return Scene.model_validate(data)
+    return BellowsScene.model_validate(data)
 
 
-def kept(scene: Scene, folder: Path) -> Any:
+def kept(scene: BellowsScene, folder: Path) -> Any:
     """A run with one state: stretched along the axis and widened uniformly, under uniform mean stress."""
     mesh, shape = scene_meridian(scene, 1), shape_of(scene)
     moved = mesh.points * [WIDENING - 1.0, STRETCH - 1.0]
@@ -56,7 +56,7 @@ def kept(scene: Scene, folder: Path) -> Any:
 
 
 @pytest.mark.parametrize("element", ["hex", "tet"])
-def test_the_panel_is_the_state_round_the_middle_root(smoke: Scene, tmp_path: Path, element: str) -> None:
+def test_the_panel_is_the_state_round_the_middle_root(smoke: BellowsScene, tmp_path: Path, element: str) -> None:
     scene = changed(smoke, mesh={"element": element})
     panel = root_panel(scene, kept(scene, tmp_path), tmp_path, 10.0)
     assert panel is not None
@@ -75,13 +75,13 @@ def test_the_panel_is_the_state_round_the_middle_root(smoke: Scene, tmp_path: Pa
     assert outside[:, 1].max() == pytest.approx(shape.seat_radius_mm)
 
 
-def test_hoop_stretch_counts(smoke: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_hoop_stretch_counts(smoke: BellowsScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(globals(), "WIDENING", 2.0)
     panel = root_panel(smoke, kept(smoke, tmp_path), tmp_path, 10.0)
     assert panel is not None and panel.stretch == pytest.approx(2.0)
 
 
-def test_meshed_rings_are_neither_silicone_nor_rigid(smoke: Scene, tmp_path: Path) -> None:
+def test_meshed_rings_are_neither_silicone_nor_rigid(smoke: BellowsScene, tmp_path: Path) -> None:
     scene = changed(smoke, rings={"model": "meshed"}, mesh={"element": "auto"})
     assert REGIONS["ring"] in scene_meridian(scene, 1).regions
     panel = root_panel(scene, kept(scene, tmp_path), tmp_path, 10.0, "meshed")
@@ -89,7 +89,7 @@ def test_meshed_rings_are_neither_silicone_nor_rigid(smoke: Scene, tmp_path: Pat
     assert panel.points_mm[:, 1].max() == pytest.approx(WIDENING * shape_of(scene).seat_radius_mm)
 
 
-def test_no_state_no_panel(smoke: Scene, tmp_path: Path) -> None:
+def test_no_state_no_panel(smoke: BellowsScene, tmp_path: Path) -> None:
     assert root_panel(smoke, kept(smoke, tmp_path), tmp_path, 20.0) is None
     assert draw_root_fields(tmp_path / "x.png", []) == "no state was kept"
 

@@ -8,9 +8,11 @@ import pytest
 from click.testing import CliRunner
 
 from studies.__main__ import main
-from studies.planning.plan import around_for, describe, make_plan
+from studies.planning.error_model import around_for
+from studies.planning.planner import describe, make_plan
 from studies.results.files import read_path, read_summary
-from studies.scene.bellows import in_hexahedra, load_scene
+from studies.scene.bellows import in_hexahedra
+from studies.scene.files import load_bellows
 from studies.scene.sections import SceneError
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -99,7 +101,7 @@ def test_constant_pressures_in_3d(write, whole) -> None:
 
 def test_plain_displacements_need_a_compressible_material(write) -> None:
     with pytest.raises(SceneError, match="kappa_over_mu = inf: .* set kappa_over_mu, for instance to 1000"):
-        load_scene(write("plain", more='\n[mesh]\nelement = "tet-p1"\n'))
+        load_bellows(write("plain", more='\n[mesh]\nelement = "tet-p1"\n'))
 
 
 @pytest.mark.parametrize("model", ["axisymmetric", "sector", "full3d"])
@@ -113,7 +115,7 @@ def test_rigid_tip_moves_like_a_thick_cap(write, whole, model: str) -> None:
 
 def test_meshed_rings_need_tetrahedra(write) -> None:
     meshed = ('model = "auto"', 'model = "meshed"')
-    assert not in_hexahedra(load_scene(write("meshed", meshed)))
+    assert not in_hexahedra(load_bellows(write("meshed", meshed)))
     wrong = write("wrong", meshed, more='\n[mesh]\nelement = "hex"\n')
     result = CliRunner().invoke(main, ["plan", str(wrong)])
     assert result.exit_code == 2
@@ -130,7 +132,7 @@ def test_sector_of_tetrahedra_is_refused_and_nothing_written(write) -> None:
 
 
 def test_plan_names_cells_and_what_a_sector_cannot_see(write) -> None:
-    scene = load_scene(write("planned"))
+    scene = load_bellows(write("planned"))
     text = describe(scene, make_plan(scene, "sector"))
     assert f"a quarter in 3D, hexahedra, meridian level r1 or r2, {around_for(scene, 'sector')} cells round" in text
     assert "a sector's count of unstable modes cannot see them" in text
@@ -138,7 +140,7 @@ def test_plan_names_cells_and_what_a_sector_cannot_see(write) -> None:
 
 @pytest.mark.parametrize(("percent", "full", "sector"), [(2.5, 6, 8), (1.0, 8, 8), (0.3, 12, 12), (0.01, 12, 12)])
 def test_cells_round_follow_the_tolerance(write, percent: float, full: int, sector: int) -> None:
-    scene = load_scene(write("requested"))
+    scene = load_bellows(write("requested"))
     asked = scene.model_copy(update={"ask": scene.ask.model_copy(update={"tolerance_percent": percent})})
     assert make_plan(asked, "full3d").around_levels == (full,)
     assert make_plan(asked, "sector").around_levels == (sector,)

@@ -15,15 +15,15 @@ from meshes.sweep import revolve_hexahedra
 from solvers.stability.harmonics import Shape
 from studies.__main__ import main
 from studies.models import modes as modes_run
+from studies.models.axisymmetric import run_axisymmetric
 from studies.models.farm import run_sweep
 from studies.models.modes import WARNING, counts_of, read_crossings, read_shape
-from studies.models.runs import run_axisymmetric
 from studies.modes.full3d import on_full_circle
 from studies.modes.pictures import revolved_mode
 from studies.progress import Progress
 from studies.results.files import read_path, read_summary
 from studies.results.rows import is_reached, read_rows
-from studies.scene.bellows import load_scene
+from studies.scene.files import load_bellows
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -51,7 +51,7 @@ def blocked(tmp_path_factory):
     text = (ROOT / "scenes" / "modes" / "blocked-short.toml").read_text(encoding="utf-8")
     path = folder / "blocked.toml"
     path.write_text(text.replace("[0.5, 1.0, 2.0]", "[1.0, 1.5]"), encoding="utf-8")
-    return load_scene(path), folder
+    return load_bellows(path), folder
 
 
 def run(scene, folder: Path, modes: bool):
@@ -117,7 +117,7 @@ def test_nothing_is_counted_in_sweeps_or_where_it_is_not_asked(blocked, tmp_path
     scene, folder = blocked
     text = (folder / "blocked.toml").read_text(encoding="utf-8")
     (tmp_path / "quiet.toml").write_text(f"{text}modes = false\n", encoding="utf-8")
-    assert not load_scene(tmp_path / "quiet.toml").ask.modes
+    assert not load_bellows(tmp_path / "quiet.toml").ask.modes
     sweep = tmp_path / "sweep.toml"
     sweep.write_text(
         'base = "scenes/smoke-t2-ri5.toml"\n[vary]\ngeometry.convolutions = [1]\n'
@@ -144,7 +144,7 @@ def test_solve_says_that_a_held_tip_bends_sideways(blocked) -> None:
 def test_modes_command_writes_rows_and_draws_the_mode(tmp_path) -> None:
     scene = tmp_path / "tube.toml"
     scene.write_text(TUBE.format(name="tube", length=100.0), encoding="utf-8")
-    result = CliRunner().invoke(main, ["modes", str(scene), "--out", str(tmp_path / "out")])
+    result = CliRunner().invoke(main, ["study", "modes", str(scene), "--out", str(tmp_path / "out")])
     assert result.exit_code == 0, result.output
     rows = read_rows(tmp_path / "out" / "rows.csv")
     counts = {(r.quantity, r.pressure_kpa, r.level): r.value for r in rows if r.quantity.startswith("unstable")}
@@ -160,7 +160,7 @@ def test_modes_command_writes_rows_and_draws_the_mode(tmp_path) -> None:
 
 def test_modes_command_refuses_what_is_no_body_of_revolution(tmp_path) -> None:
     scene = ROOT / "scenes" / "exact" / "cube.toml"
-    result = CliRunner().invoke(main, ["modes", str(scene), "--out", str(tmp_path / "out")])
+    result = CliRunner().invoke(main, ["study", "modes", str(scene), "--out", str(tmp_path / "out")])
     assert result.exit_code == 2
     assert "block" in result.output and not (tmp_path / "out").exists()
 
@@ -191,7 +191,7 @@ def test_modes_are_the_same_on_two_ranks(python, tmp_path) -> None:
     rows = []
     for ranks in (1, 2):
         out = tmp_path / f"on-{ranks}"
-        python.run(ranks, "-m", "studies", "modes", *scenes, "--out", out)
+        python.run(ranks, "-m", "studies", "study", "modes", *scenes, "--out", out)
         rows.append((out / "rows.csv").read_bytes())
     assert rows[0] == rows[1]
     assert b"crossing_m1_kpa" in rows[0] and b"none up to 12 kPa" in rows[0]

@@ -12,14 +12,14 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
-from studies.models.run_log import Run
 from studies.paper import panels, plots
 from studies.paper.cases import Case, Group, case_text, cases
 from studies.paper.results import CaseResult, PaperResults
 from studies.report.style import figure_file
 from studies.results.files import PathRow, RunSummary
 from studies.results.rows import FOLDED_BACK, REACHED, Row, row
-from studies.scene.bellows import Scene
+from studies.results.runs import Run
+from studies.scene.bellows import BellowsScene
 
 DRAW = [
     panels.draw_elongations,
@@ -99,7 +99,7 @@ def made_up(
     cause, crossing_kpa
         Why it stops, and from where on its states have an unstable mode.
     """
-    scene = Scene.model_validate(tomllib.loads(case_text(case)))
+    scene = BellowsScene.model_validate(tomllib.loads(case_text(case)))
     asked = [p for p in scene.load.pressure_kpa if p <= stop_kpa]
     rows: list[Row] = []
 

@@ -13,7 +13,7 @@ from studies.paper.cases import Case, case_text, cases
 from studies.paper.results import read_results
 from studies.progress import Progress
 from studies.results.files import SUMMARY_FILE
-from studies.scene.bellows import load_scene
+from studies.scene.files import load_bellows
 
 SMALL = "smoke-t2-ri5"
 LOW = {"load.pressure_kpa": [2.0], "ask.fields": False}
@@ -66,7 +66,7 @@ def test_equal_content_is_run_once(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 def test_every_case_is_a_scene_that_is_accepted(tmp_path: Path, case: Case) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(case_text(case), encoding="utf-8")
-    scene = load_scene(path)
+    scene = load_bellows(path)
     assert scene.name == case.scene
     for key, value in case.changes.items():
         at = scene.model_dump()

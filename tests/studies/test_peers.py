@@ -15,12 +15,12 @@ from studies.peers.exchange import Level, peer_mesh, write_peer_mesh
 from studies.peers.febio_deck import write_febio_deck
 from studies.peers.fronts import Point, best, floored, front, lasting, ratio_at_equal_error, ratio_to_fastest, time_at
 from studies.peers.study import Measurement, comparison_rows, last_json, lines_to_write, peer_command, timed
-from studies.scene.bellows import load_scene
+from studies.scene.files import load_bellows
 
 
 @pytest.fixture(scope="module")
 def scene():
-    return load_scene(peer_study.SCENE)
+    return load_bellows(peer_study.SCENE)
 
 
 def measure(points, cells):

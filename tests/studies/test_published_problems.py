@@ -13,7 +13,7 @@ from studies.__main__ import main
 from studies.progress import Progress
 from studies.results.exact_answers import COOK_CORNER_MM
 from studies.results.rows import Row, read_rows, row
-from studies.scene.bodies import load_any_scene
+from studies.scene.files import load_scene
 from studies.scene.sections import SceneError
 from studies.verification import study as verification
 from studies.verification.report import render_verification
@@ -41,7 +41,7 @@ def test_torque_and_axial_force_of_a_twisted_cylinder(
     tmp_path, monkeypatch, name: str, torque: float, force: float
 ) -> None:
     levels = {"hexahedra": ("n8", "n12"), "tetrahedra": ("n8", "n12")}
-    monkeypatch.setattr("studies.planning.body_plan.CYLINDER_LEVELS", levels)
+    monkeypatch.setattr("studies.planning.bodies.CYLINDER_LEVELS", levels)
     rows = solved(name, tmp_path / "out")
     # measured: hexahedra 0.030 and 0.036 %, tetrahedra 0.23 and 2.8 %
     for quantity, bar in (("torque_nmm", torque), ("axial_force_n", force)):
@@ -54,7 +54,7 @@ def test_torque_and_axial_force_of_a_twisted_cylinder(
 
 
 def test_cooks_membrane_tends_to_its_limit(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("studies.planning.body_plan.COOK_LEVELS", ("n4", "n8"))
+    monkeypatch.setattr("studies.planning.bodies.COOK_LEVELS", ("n4", "n8"))
     rows = solved("cook", tmp_path / "out")
     coarse, fine = errors(rows, "corner_mm")
     assert fine < 0.2 < coarse  # measured 0.16 % with 64 cells
@@ -63,7 +63,7 @@ def test_cooks_membrane_tends_to_its_limit(tmp_path, monkeypatch) -> None:
 
 @pytest.mark.slow
 def test_reference_of_cooks_membrane_is_what_refined_meshes_tend_to(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("studies.planning.body_plan.COOK_LEVELS", ("n24", "n48"))
+    monkeypatch.setattr("studies.planning.bodies.COOK_LEVELS", ("n24", "n48"))
     values = [r.value for r in solved("cook", tmp_path / "out") if r.quantity == "corner_mm" and r.pressure_kpa > 6e3]
     # second order, as n8 to n32 show
     assert values[1] + (values[1] - values[0]) / 3.0 == pytest.approx(COOK_CORNER_MM, abs=5e-4)
@@ -73,15 +73,15 @@ def test_tetrahedra_are_refused_for_cooks_membrane(tmp_path) -> None:
     path = tmp_path / "cook.toml"
     path.write_text((SCENES / "cook.toml").read_text(encoding="utf-8") + '[mesh]\nelement = "tet-p1"\n')
     with pytest.raises(SceneError, match="a cook is meshed in hexahedra"):
-        load_any_scene(path)
+        load_scene(path)
 
 
 @pytest.mark.parametrize(
     ("model", "levels"), [("axisymmetric", ("r1", "r2")), ("sector", ("n8",)), ("full3d", ("n12",))]
 )
 def test_apex_of_the_inflated_ventricle(tmp_path, monkeypatch, model: str, levels: tuple[str, ...]) -> None:
-    monkeypatch.setattr("studies.planning.body_plan.MERIDIAN_LEVELS", levels)
-    monkeypatch.setattr("studies.planning.body_plan.AROUND_LEVELS", {"hexahedra": levels, "tetrahedra": levels})
+    monkeypatch.setattr("studies.planning.bodies.MERIDIAN_LEVELS", levels)
+    monkeypatch.setattr("studies.planning.bodies.AROUND_LEVELS", {"hexahedra": levels, "tetrahedra": levels})
     rows = solved("ventricle", tmp_path / "out", "--model", model)
     # the groups of the benchmark differ by 0.5 %; measured 0.10, 0.38 and 0.27 %
     assert errors(rows, "apex_inside_mm")[-1] < 0.5
@@ -108,7 +108,7 @@ def test_wrong_scenes_are_refused(tmp_path, name: str, old: str, new: str, said:
     path = tmp_path / f"{name}.toml"
     path.write_text(text.replace(old, new), encoding="utf-8")
     with pytest.raises(SceneError) as refusal:
-        load_any_scene(path)
+        load_scene(path)
     assert said in str(refusal.value)
 
 
@@ -130,8 +130,8 @@ def test_observed_order_of_exact_and_of_other_references() -> None:
 
 
 def test_table_holds_every_known_value_and_reuses_runs(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("studies.planning.body_plan.BLOCK_LEVELS", ("n2",))
-    monkeypatch.setattr("studies.planning.body_plan.COOK_LEVELS", ("n4", "n8", "n10"))
+    monkeypatch.setattr("studies.planning.bodies.BLOCK_LEVELS", ("n2",))
+    monkeypatch.setattr("studies.planning.bodies.COOK_LEVELS", ("n4", "n8", "n10"))
     scenes = [SCENES / f"{name}.toml" for name in ("cube", "cook", "mesh")]
     comm = MPI.COMM_SELF
     found = verification.run_verification(scenes, tmp_path / "a", None, comm, Progress(comm))

@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studies.scene.bellows import bond_grade, inverse_kappa, law_of, load_scene, shape_of
+from studies.scene.bellows import bond_grade, shape_of
+from studies.scene.files import load_bellows
+from studies.scene.materials import inverse_kappa, law_of
 from studies.scene.sections import SceneError
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -29,7 +31,7 @@ def changed(tmp_path):
 
 @pytest.mark.parametrize("path", sorted((ROOT / "scenes").glob("*.toml")), ids=lambda p: p.stem)
 def test_shipped_scenes_are_accepted(path):
-    scene = load_scene(path)
+    scene = load_bellows(path)
     assert scene.name == path.stem
     assert len(shape_of(scene).crest_positions_mm) == scene.geometry.convolutions + 1
 
@@ -64,7 +66,7 @@ def test_shipped_scenes_are_accepted(path):
 )
 def test_wrong_scenes_are_refused(changed, old, new, said):
     with pytest.raises(SceneError) as refusal:
-        load_scene(changed(old, new))
+        load_bellows(changed(old, new))
     for words in said:
         assert words in str(refusal.value)
 
@@ -73,20 +75,20 @@ def test_softening_yeoh_set_is_refused(changed):
     material = REFERENCE[REFERENCE.index("law = ") : REFERENCE.index("[load]")]
     path = changed(material, 'law = "yeoh"\nc_kpa = [36.0, -3.0, 0.1]\n\n')
     with pytest.raises(SceneError, match="material"):
-        load_scene(path)
+        load_bellows(path)
 
 
 def test_all_faults_are_reported_at_once(changed, tmp_path):
     path = changed("wall_mm = 2.0", "wal_mm = 2.0")
     path.write_text(path.read_text().replace("alpha = 5.836", "alpha = 'x'"), encoding="utf-8")
     with pytest.raises(SceneError) as refusal:
-        load_scene(path)
+        load_bellows(path)
     assert "wal_mm" in str(refusal.value)
     assert "alpha" in str(refusal.value)
 
 
 def test_units_of_the_law():
-    scene = load_scene(ROOT / "scenes" / "heung-t2-ri5.toml")
+    scene = load_bellows(ROOT / "scenes" / "heung-t2-ri5.toml")
     # equation (3) of the paper: mu is the initial shear modulus, 75.449 kPa
     assert law_of(scene.material).initial_shear_modulus_mpa == pytest.approx(0.075449, rel=1e-12)
     assert inverse_kappa(scene.material) == 0.0
@@ -96,7 +98,7 @@ def test_adhesive_is_full_in_the_middle_of_a_seat_and_zero_at_its_edge(tmp_path)
     text = (ROOT / "scenes" / "heung-t2-ri5.toml").read_text(encoding="utf-8")
     path = tmp_path / "graded.toml"
     path.write_text(text.replace('bond = "rigid"', 'bond = "adhesive"'), encoding="utf-8")
-    scene = load_scene(path)
+    scene = load_bellows(path)
     middle = shape_of(scene).crest_positions_mm[3]
     grade = bond_grade(scene, middle + np.array([-2.5, -2.0, -1.5, 0.0, 1.0, 2.0]))
     assert grade == pytest.approx([0.0, 0.0, 0.5, 1.0, 1.0, 0.0])
@@ -117,4 +119,4 @@ def test_rings_are_meshed_only_where_the_tolerance_needs_it(tmp_path, material, 
     text = text.replace('material = "pla"', f'material = "{material}"')
     path = tmp_path / "rings.toml"
     path.write_text(text.replace("tolerance_percent = 1.0", f"tolerance_percent = {tolerance}"), encoding="utf-8")
-    assert load_scene(path).rings.model == model
+    assert load_bellows(path).rings.model == model

@@ -9,22 +9,23 @@ import pytest
 
 from meshes.solid import SolidMesh
 from solvers.state import State
-from studies.models.build import scene_body, scene_meridian
 from studies.models.gaps import GapMeter
 from studies.models.run_log import CONTACT, ending
-from studies.scene.bellows import Scene, load_scene
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
+from studies.scene.meshes import scene_body, scene_meridian
 
 
 @pytest.fixture(scope="module")
-def scene(root: Path) -> Scene:
-    return load_scene(root / "scenes" / "smoke-t2-ri5.toml")
+def scene(root: Path) -> BellowsScene:
+    return load_bellows(root / "scenes" / "smoke-t2-ri5.toml")
 
 
 def at_rest(mesh: SolidMesh, modes: int) -> State:
     return State(np.zeros(mesh.points.shape), np.zeros(1), np.zeros((3, modes)), 0.0)
 
 
-def test_same_gap_on_the_meridian_and_round_the_body(scene: Scene) -> None:
+def test_same_gap_on_the_meridian_and_round_the_body(scene: BellowsScene) -> None:
     meridian = scene_meridian(scene, 1)
     flat = GapMeter(scene, meridian).measure(at_rest(meridian, 1))
     body = scene_body(meridian, "full3d", 6)
@@ -35,7 +36,7 @@ def test_same_gap_on_the_meridian_and_round_the_body(scene: Scene) -> None:
     assert flat.between == "folds" and flat.gap.gap_mm == pytest.approx(1.0, rel=1e-9)  # the upright sides of a groove
 
 
-def test_a_ring_pushed_into_the_wall_is_seen(scene: Scene) -> None:
+def test_a_ring_pushed_into_the_wall_is_seen(scene: BellowsScene) -> None:
     meridian = scene_meridian(scene, 1)
     state = at_rest(meridian, 1)
     # the rings stay, the middle fold's outside rises to the radius of the rings
@@ -48,7 +49,7 @@ def test_a_ring_pushed_into_the_wall_is_seen(scene: Scene) -> None:
     assert touch.gap.gap_mm < 0.0
 
 
-def test_a_ring_that_turns_goes_into_the_wall_on_one_side(scene: Scene) -> None:
+def test_a_ring_that_turns_goes_into_the_wall_on_one_side(scene: BellowsScene) -> None:
     meridian = scene_meridian(scene, 1)
     body = scene_body(meridian, "full3d", 6)
     meter = GapMeter(scene, meridian, body)

@@ -18,9 +18,9 @@ import pytest
 from mpi4py import MPI
 
 from solvers.errors import SolverError
-from studies.closed_form.tables import SILICONES
+from studies.closed_form.chains import SILICONES
+from studies.models import axisymmetric
 from studies.models import farm as sweep
-from studies.models import runs
 from studies.models.farm import SweepOutcome, SweepRow, read_table, run_sweep, write_table
 from studies.paper.cases import case_text, cases
 from studies.progress import Progress
@@ -153,13 +153,13 @@ def done(tmp_path_factory) -> SimpleNamespace:
 def solved(monkeypatch) -> list[str]:
     """Names of scenes that are really solved from here on."""
     names: list[str] = []
-    real = runs._solve_axisymmetric
+    real = axisymmetric._solve
 
     def count(scene, *rest):
         names.append(scene.name)
         return real(scene, *rest)
 
-    monkeypatch.setattr(runs, "_solve_axisymmetric", count)
+    monkeypatch.setattr(axisymmetric, "_solve", count)
     return names
 
 
@@ -202,7 +202,7 @@ def test_nothing_is_repeated_and_a_longer_sweep_solves_what_is_new(done, solved,
 
 
 def test_scenes_that_fail_or_stop_are_rows_with_their_reasons(done, monkeypatch, tmp_path) -> None:
-    run_plan, scene_rows = sweep.run_plan, sweep.scene_rows
+    run_plan, scene_rows = sweep.run_plan, sweep.bellows_rows
 
     def one_fails(scene, *rest):
         if (scene.geometry.root_radius_mm, scene.geometry.wall_mm) == (5.0, 1.0):
@@ -218,7 +218,7 @@ def test_scenes_that_fail_or_stop_are_rows_with_their_reasons(done, monkeypatch,
         return [dataclasses.replace(r, **why) if hit else r for r, hit in zip(rows, at_5, strict=True)]
 
     monkeypatch.setattr(sweep, "run_plan", one_fails)
-    monkeypatch.setattr(sweep, "scene_rows", one_stops)
+    monkeypatch.setattr(sweep, "bellows_rows", one_stops)
     out = tmp_path / "out"
     shutil.copytree(done.out, out)
     outcome = run(done.file, out)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from studies.results.compare import MERIDIAN_ORDER, scene_rows, tip_convergence
+from studies.results.bellows_rows import bellows_rows
+from studies.results.runs import MERIDIAN_ORDER, tip_convergence
 from tests.studies.paper_demo import make_run, scene_of
 
 FIRST = "heung-t1-ri5"
@@ -30,7 +31,7 @@ def test_the_bend_of_an_eccentric_body_is_not_taken_for_an_error() -> None:
     meridians = [make_run(scene, "axisymmetric", level, lambda _, p: 5.0 * p) for level in ("r1", "r2", "r4")]
     body = make_run(scene, "full3d", "n8", lambda _, p: 4.75 * p)  # 5 % shorter for bending
     at_20 = {
-        case: next(r for r in scene_rows(of, meridians, (), [body]) if (r.model, r.pressure_kpa) == ("full3d", 20.0))
+        case: next(r for r in bellows_rows(of, [*meridians, body]) if (r.model, r.pressure_kpa) == ("full3d", 20.0))
         for case, of in (("bent", scene), ("straight", centred))
     }
     assert at_20["straight"].uncertainty == pytest.approx(3.0 * 0.05 * 100.0)

@@ -14,7 +14,7 @@ from meshes.gaps import outlines
 from meshes.solid import FloatArray, IntArray, SolidMesh
 from solvers.state import State
 from studies.report.style import BLUE, figure_file
-from studies.scene.bellows import Scene, shape_of
+from studies.scene.bellows import BellowsScene, shape_of
 
 _WALL, _RING = "#b7d3e8", "#8c8c8c"
 _MM_PER_INCH = 16.0
@@ -25,7 +25,7 @@ class Bent:
     """A state to draw: its text, scene, meridian, body and state."""
 
     label: str
-    scene: Scene
+    scene: BellowsScene
     meridian: SolidMesh
     body: SolidMesh
     state: State
@@ -77,7 +77,7 @@ def _numbers(meridian: SolidMesh, body: SolidMesh, angle: float) -> IntArray:
     return number
 
 
-def ring_sections(scene: Scene, state: State) -> list[FloatArray]:
+def ring_sections(scene: BellowsScene, state: State) -> list[FloatArray]:
     """Rigid rings in the plane y = 0, two rectangles of (x, z) each, shape (4, 2), mm; none if there are no rings."""
     if scene.rings.model != "rigid":
         return []

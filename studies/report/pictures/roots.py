@@ -17,14 +17,14 @@ from matplotlib.ticker import MultipleLocator
 from meshes.gaps import outlines
 from meshes.solid import REGIONS, FloatArray, IntArray
 from solvers.output import pressure_at_nodes
-from studies.models.build import scene_meridian
-from studies.models.run_log import Run
 from studies.planning.levels import fineness
 from studies.report.pictures.stills import RingBox
 from studies.report.style import BELOW, RIGID, RIGID_EDGE, entry, figure_file
+from studies.results.files import load_state
 from studies.results.measures import find_places, largest_stretches
-from studies.results.states import load_state
-from studies.scene.bellows import Scene, shape_of
+from studies.results.runs import Run
+from studies.scene.bellows import BellowsScene, shape_of
+from studies.scene.meshes import scene_meridian
 
 _WIDTH_IN: Final = 8.2
 _TICK_POINTS: Final = 8.0
@@ -74,7 +74,9 @@ class RootPanel:
     rings: tuple[RingBox, ...]
 
 
-def root_panel(scene: Scene, run: Run, run_folder: Path, pressure_kpa: float, label: str = "") -> RootPanel | None:
+def root_panel(
+    scene: BellowsScene, run: Run, run_folder: Path, pressure_kpa: float, label: str = ""
+) -> RootPanel | None:
     """The middle root of a scene in a state of one of its axisymmetric runs.
 
     Parameters

@@ -1,0 +1,128 @@
+"""What ``solve`` says at its end: a table of pressures and models, the verdict on the tolerance; or JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from studies.models.session import SceneResult
+from studies.report.labels import model_label, ordered, quantity_label, run_label
+from studies.report.numbers import signed
+from studies.results.rows import Row
+from studies.scene.files import Scene
+
+# The models whose result is the answer, the best first.
+BEST = ("full3d", "sector", "axisymmetric")
+# Other readings of the closed form; they are in rows.csv.
+OTHER_CHAINS = ("closed_form_printed", "closed_form_balanced", "closed_form_seat")
+# A table that does not go to a terminal is not broken into lines.
+WIDE = 160
+
+
+def show(result: SceneResult[Scene]) -> None:
+    """Print the answers of a scene."""
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, width=WIDE)
+    for quantity in dict.fromkeys(row.quantity for row in result.headlines):
+        table, against = answers(quantity, result.headlines)
+        console.print(f"{result.scene.name}: {quantity_label(quantity)}; in brackets % from {against}", soft_wrap=True)
+        console.print(table)
+    for line in (verdict(result), result.remark):
+        if line:
+            console.print(line, soft_wrap=True)
+
+
+def answers(quantity: str, rows: Sequence[Row]) -> tuple[Table, str]:
+    """A line per pressure with the finest value of each model and how far it is from the best; what that is."""
+    of_it = [row for row in rows if row.quantity == quantity and row.model not in OTHER_CHAINS]
+    levels = {row.model: row.level for row in of_it}  # levels ascend, so the last row of a model is its finest
+    models = ordered(levels)
+    best = next((model for model in BEST if model in models), models[-1])
+    exact = any(math.isfinite(row.reference) and row.source.startswith(("exact", "published")) for row in of_it)
+    against = "the reference" if exact else model_label(best)
+    table = Table(box=box.SIMPLE)
+    table.add_column("kPa", justify="right")
+    for model in models:
+        table.add_column(run_label(model, levels[model]), justify="right")
+    if exact:
+        table.add_column("reference", justify="right")
+    for pressure in dict.fromkeys(row.pressure_kpa for row in of_it):
+        found = {r.model: r for r in of_it if r.pressure_kpa == pressure or math.isnan(pressure)}
+        reference = next((r.reference for r in found.values() if math.isfinite(r.reference)), math.nan)
+        compared = reference if exact else found[best].value if best in found else math.nan
+        cells = ["–" if math.isnan(pressure) else f"{pressure:g}"]
+        for model in models:
+            row = found.get(model)
+            cells.append(_value(row) + ("" if model == best and not exact else _apart(row, compared)))
+        table.add_row(*cells, *([_number(reference)] if exact else []))
+    return table, against
+
+
+def _number(value: float) -> str:
+    return "–" if math.isnan(value) else f"{value:.6g}"
+
+
+def _value(row: Row | None) -> str:
+    """A value with its uncertainty, or why there is none."""
+    if row is None:
+        return "–"
+    if math.isnan(row.value):
+        return row.status.split(":")[0]
+    spread = "" if math.isnan(row.uncertainty) else f" ± {row.uncertainty:.2g}"
+    return f"{_number(row.value)}{spread}"
+
+
+def _apart(row: Row | None, value: float) -> str:
+    """Difference of a row from a value, percent, in brackets; nothing where it is not known."""
+    if row is None or math.isnan(row.value) or not value or math.isnan(value):
+        return ""
+    return f" ({signed(100.0 * (row.value - value) / abs(value))})"
+
+
+def verdict(result: SceneResult[Scene]) -> str:
+    """Whether the best model's uncertainty holds the scene's tolerance, a sentence; empty for a closed form."""
+    run = result.answer
+    if run is None:
+        return ""
+    tolerance = result.scene.ask.tolerance_percent
+    wanted = next((row.quantity for row in result.headlines if row.unit in ("mm", "N")), "")
+    rows = [
+        row
+        for row in result.headlines
+        if (row.quantity, row.model, row.level) == (wanted, run.summary.model, run.summary.level)
+    ]
+    shares = [100.0 * row.uncertainty / abs(row.value) for row in rows if row.value and math.isfinite(row.uncertainty)]
+    name = run_label(run.summary.model, run.summary.level)
+    if not shares:
+        return f"tolerance {tolerance:g} %: cannot be told from one mesh ({name})"
+    met = "met" if max(shares) <= tolerance else "NOT met"
+    return f"tolerance {tolerance:g} %: {met}, {name} is certain within {max(shares):.2g} %"
+
+
+def as_json(result: SceneResult[Scene]) -> str:
+    """The same for programs: status, verdict, rows; what is not known is null."""
+    content: dict[str, Any] = {
+        "scene": result.scene.name,
+        "reached": result.reached,
+        "reason": result.reason,
+        "verdict": verdict(result),
+        "expected": result.remark,
+        "warnings": list(result.unstable),
+        "rows": [_plain(row) for row in result.headlines],
+    }
+    return json.dumps(content, indent=1, allow_nan=False)
+
+
+def _plain(row: Row) -> dict[str, Any]:
+    return {
+        name: None if isinstance(value, float) and not math.isfinite(value) else value
+        for name, value in asdict(row).items()
+    }

@@ -1,0 +1,37 @@
+"""``bellowsx sweep``: all scenes of a sweep file."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+from mpi4py import MPI
+
+from studies.command.common import OUT, STOPPED, check_writable, examples, guarded, say
+from studies.progress import Progress
+
+
+@click.command(
+    epilog=examples(
+        "bellowsx sweep sweeps/heung-map.toml --out results/map",
+        "mpirun -n 2 bellowsx sweep sweeps/heung-map.toml --out results/map",
+    )
+)
+@click.argument("file", type=click.Path(path_type=Path))
+@OUT
+def sweep(file: Path, out: Path) -> None:
+    """Solve all scenes of a sweep FILE, shared out over the ranks, into one table, sweep.csv.
+
+    Finished scenes are not repeated. Combinations that are no valid scene stay in the table with the reason.
+    """
+    from studies.models import farm
+
+    check_writable(out)
+
+    def work() -> int:
+        outcome = farm.run_sweep(file, out, MPI.COMM_WORLD, Progress(MPI.COMM_WORLD))
+        say(f"table: {out / 'sweep.csv'}")
+        return 0 if outcome.reached else STOPPED
+
+    sys.exit(guarded(str(file), work))

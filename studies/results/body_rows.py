@@ -1,0 +1,83 @@
+"""Rows of a simple body or a user's mesh: each value with its uncertainty, beside the exact answer."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from studies.results.exact_answers import exact_crossing_kpa, known_value
+from studies.results.rows import REACHED, Row, row
+from studies.results.runs import Run, run_convergence, state_rows, value_status
+from studies.results.uncertainty import Convergence
+from studies.scene.bodies import LIMIT_VOLUME, BodyScene
+from studies.scene.body_geometry import TubeGeometry
+
+# Order to expect: quadratic displacements have an error of the third; where an end is held the wall has corners, and
+# three levels of a bonded tube show an order of 1.3.
+ORDER, CORNER_ORDER = 3.0, 1.0
+UNITS = {"volume_mm3": "mm3", "torque_nmm": "N mm", "axial_force_n": "N"}
+CHECKS = {"unstable_modes": "1", "min_det_f": "1"}
+# What is read off whole paths, not at single loads; all in kPa.
+OF_PATHS = ("limit_kpa", "crossing_kpa")
+
+
+def body_rows(scene: BodyScene, runs: Sequence[Run]) -> list[Row]:
+    """All rows of a scene's runs by one model, coarsest first.
+
+    Each value's uncertainty is the discretisation's, its reference the exact answer.
+    """
+    rows = [r for load in scene.loads_kpa for r in _rows_at(scene, runs, load)]
+    for quantity in scene.quantities:
+        if quantity in OF_PATHS:
+            rows += _crossing_rows(scene, runs, quantity)
+    return rows
+
+
+def _rows_at(scene: BodyScene, runs: Sequence[Run], load: float) -> list[Row]:
+    """Rows at one load, kPa: what is measured, then the checks of the finest run."""
+    rows = []
+    measured = dict.fromkeys(name for run in runs for values in run.measured.values() for name in values)
+    wanted = [q for q in scene.quantities if q not in OF_PATHS]
+    for quantity in [*wanted, *(name for name in measured if name not in wanted)]:
+        known, unit = known_value(scene, quantity, load), UNITS.get(quantity, "mm")
+        found = [run.measured_at(load, quantity) for run in runs]
+        spread = _convergence(scene, runs, found)
+        for run, value in zip(runs, found, strict=True):
+            at = (scene.name, quantity, unit, load, run.summary.model, value, run.summary.level)
+            rows.append(row(*at, spread.uncertainty(value), *known, value_status(run, value, ".6g")))
+    return rows + state_rows(scene.name, runs[-1], load, CHECKS)
+
+
+def _crossing_rows(scene: BodyScene, runs: Sequence[Run], quantity: str) -> list[Row]:
+    """Where stability was lost, and how many modes became unstable there."""
+    known = exact_crossing_kpa(scene)
+    crossings = [run.summary.crossing for run in runs]
+    found = [float(c["pressure_kpa"]) if c else math.nan for c in crossings]
+    spread = _convergence(scene, runs, found)
+    rows = []
+    for run, crossing, value in zip(runs, crossings, found, strict=True):
+        model, level = run.summary.model, run.summary.level
+        within = float(crossing["within_kpa"]) if crossing else math.nan
+        status = REACHED if crossing else _no_crossing(run, quantity)
+        of_levels = spread.uncertainty(value)
+        total = within if math.isnan(of_levels) else of_levels + within
+        rows.append(row(scene.name, quantity, "kPa", math.nan, model, value, level, total, *known, status))
+        if crossing:
+            jump = float(crossing["modes_after"]) - float(crossing["modes_before"])
+            rows.append(row(scene.name, "crossing_modes", "1", math.nan, model, jump, level))
+    return rows
+
+
+def _no_crossing(run: Run, quantity: str) -> str:
+    """Up to where stability was not lost."""
+    top = f"{max((r.pressure_kpa for r in run.path), default=0.0):.6g} kPa"
+    if run.summary.status != REACHED:
+        return f"stopped at {top}: {run.summary.reason}"
+    return f"none up to {top}" + (f" and {LIMIT_VOLUME:g} times the volume" if quantity == "limit_kpa" else "")
+
+
+def _convergence(scene: BodyScene, runs: Sequence[Run], values: Sequence[float]) -> Convergence:
+    """Convergence over the finest levels that have a value."""
+    g = scene.geometry
+    corners = g.kind in ("cook", "ventricle") or (isinstance(g, TubeGeometry) and g.ends == "bonded")
+    return run_convergence(runs, values, CORNER_ORDER if corners else ORDER)

@@ -1,0 +1,109 @@
+"""What the closed form and the paper say of a scene, beside which the finite elements are compared."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from analytical.bellows import paper
+from analytical.bellows.chains import ClosedFormPath, closed_form, closed_form_balanced, closed_form_printed
+from analytical.bellows.dimensions import BellowsDimensions, BellowsError, with_seat
+from analytical.bellows.loads import held_tip
+from analytical.laws.isotropic import Law
+from studies.results.rows import FOLDED_BACK, REACHED, Row, row
+from studies.scene.bellows import BellowsScene, dimensions_of
+from studies.scene.materials import law_of
+
+Chain = Callable[[BellowsDimensions, Law, float], ClosedFormPath]
+
+
+def closed_form_values(scene: BellowsScene, pressure_kpa: float) -> list[tuple[str, float, str]]:
+    """(model, main quantity, status) of the closed form: its chains, and the corrected one with the free half pitch."""
+    if scene.load.sense < 0.0:
+        return []  # it has no vacuum
+    nominal = dimensions_of(scene)
+    variants: list[tuple[str, Chain, BellowsDimensions]] = [("closed_form", closed_form, nominal)]
+    if scene.rings.model != "none":
+        variants.append(("closed_form_seat", closed_form, with_seat(nominal, scene.rings.seat_mm)))
+    if not scene.blocked:
+        variants.append(("closed_form_printed", closed_form_printed, nominal))
+        variants.append(("closed_form_balanced", closed_form_balanced, nominal))
+    out = []
+    for model, chain, dimensions in variants:
+        try:
+            value, status = _closed_form_value(scene, chain, dimensions, pressure_kpa)
+            out.append((model, value, status))
+        except BellowsError as error:
+            out.append((model, math.nan, f"not available: {error}"))
+    return out
+
+
+def _closed_form_value(
+    scene: BellowsScene, chain: Chain, dimensions: BellowsDimensions, pressure_kpa: float
+) -> tuple[float, str]:
+    """The main quantity of a scene by a chain, mm or N, and in which state the chain is if it is past the model."""
+    law = law_of(scene.material)
+    if scene.blocked:
+        return float(held_tip(dimensions, law, pressure_kpa).tip_force_n[0]), REACHED
+    if scene.load.tip_force_n:
+        raise BellowsError("it has no force on its tip")
+    return _elongation(chain, dimensions, law, pressure_kpa)
+
+
+@functools.cache
+def _elongation(chain: Chain, dimensions: BellowsDimensions, law: Law, pressure_kpa: float) -> tuple[float, str]:
+    """A chain's elongation, mm, and its state; kept, for a study's variants and audits ask for the same again."""
+    answer = chain(dimensions, law, pressure_kpa)
+    return float(answer.elongation_mm[0]), FOLDED_BACK if answer.state[0] == "past the model" else REACHED
+
+
+def thrust_rows(scene: BellowsScene, pressure_kpa: float) -> list[Row]:
+    """Thrust of the pressure alone by the closed form: the tip force of a wall that buckles rather than push."""
+    try:
+        thrust = held_tip(dimensions_of(scene), law_of(scene.material), pressure_kpa).extension_force_n
+    except BellowsError:
+        return []
+    return [row(scene.name, "extension_force_n", "N", pressure_kpa, "closed_form", float(thrust[0]))]
+
+
+def printed_elongation(scene: BellowsScene) -> paper.PrintedElongation | None:
+    """What the paper prints of a scene's actuator; None if it is not one of the paper's."""
+    if scene.blocked or scene.load.tip_force_n:
+        return None  # the paper's tips are free
+    g = scene.geometry
+    return paper.printed(g.wall_mm, g.root_radius_mm, g.crest_radius_mm, g.half_pitch_mm, g.convolutions)
+
+
+def validity_notes(scene: BellowsScene) -> list[str]:
+    """What a reader must know of the closed form's and the paper's numbers for a scene."""
+    dimensions, law = dimensions_of(scene), law_of(scene.material)
+    notes = []
+    if scene.blocked:
+        notes.append(
+            "The closed form's force at the tip, held at zero elongation, assumes a wall that pushes; one that buckles "
+            "instead leaves the thrust of the pressure, extension_force_n."
+        )
+    if scene.load.tip_force_n:
+        return ["The closed form has no force on its tip."]
+    if scene.load.sense < 0.0:
+        return ["The closed form has no vacuum."]
+    answer = closed_form(dimensions, law, np.array(scene.load.pressure_kpa))
+    unfolding_kpa = float(answer.unfolding_pressure_kpa[0])
+    if unfolding_kpa <= scene.load.pressure_kpa[-1]:
+        notes.append(
+            f"The closed form is fully unfolded from {unfolding_kpa:.1f} kPa; beyond, its root "
+            "stretch is held there (the paper stops at full expansion)."
+        )
+    else:
+        notes.append(f"The closed form unfolds fully only at {unfolding_kpa:.1f} kPa, above the asked range.")
+    printed = printed_elongation(scene)
+    if printed is not None:
+        notes.append(f"Printed values ({printed.source}): {printed.reading}.")
+        notes.append(
+            "The paper prints neither R_p, e and n nor which silicone each actuator has: these are inferred from "
+            "its closed-form column alone, so agreement of the closed form with that column is no validation."
+        )
+    return notes

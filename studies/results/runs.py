@@ -1,0 +1,169 @@
+"""Runs read back from disk, what is read off them at a load, and what several meshes say of its error."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from studies.planning.levels import fineness
+from studies.results import provenance
+from studies.results.files import PathRow, RunSummary, read_path, read_summary, write_text_atomically
+from studies.results.rows import REACHED, Row, row
+from studies.results.uncertainty import UNKNOWN, Convergence, convergence, from_two
+from studies.scene.bellows import TipQuantity, without_eccentricity
+from studies.scene.bodies import BodyScene
+from studies.scene.body_geometry import MeshGeometry
+from studies.scene.files import Scene
+
+MEASURED_FILE = "measured.json"
+# Order to expect of the tip displacement. In the meridian, quadratic elements would give more than 2 for a smooth
+# solution, but the clamped edge and the ends of the bond are corners. Round the circumference all is smooth.
+MERIDIAN_ORDER, AROUND_ORDER = 2.0, 4.0
+
+
+@dataclass(frozen=True)
+class Run:
+    """A finished or stopped run, read back from disk.
+
+    Attributes
+    ----------
+    summary, path
+        Its summary.json and path.csv.
+    measured
+        What was measured in the states of a simple body: quantity -> value, by requested load in kPa.
+    """
+
+    summary: RunSummary
+    path: tuple[PathRow, ...]
+    measured: Mapping[float, Mapping[str, float]] = field(default_factory=dict)
+
+    @property
+    def requested(self) -> tuple[PathRow, ...]:
+        """Its states at requested loads."""
+        return tuple(row for row in self.path if row.status == "requested")
+
+    def at(self, load_kpa: float) -> PathRow | None:
+        """Its state at a requested load; None if it was not reached."""
+        return next((r for r in self.requested if math.isclose(r.pressure_kpa, load_kpa, rel_tol=1e-9)), None)
+
+    def measured_at(self, load_kpa: float, quantity: str) -> float:
+        """What was measured at a requested load; NaN if it was not reached or not measured."""
+        found = (v for p, v in self.measured.items() if math.isclose(p, load_kpa, rel_tol=1e-9))
+        return next(found, {}).get(quantity, math.nan)
+
+
+def read_run(folder: Path) -> Run:
+    """The run in a folder.
+
+    Raises
+    ------
+    OSError, ValueError, KeyError, TypeError
+        If it is missing or damaged.
+    """
+    file, measured = folder / MEASURED_FILE, {}
+    if file.exists():
+        entries = json.loads(file.read_text(encoding="utf-8"))
+        measured = {entry.pop("pressure_kpa"): entry for entry in entries}
+    return Run(read_summary(folder), tuple(read_path(folder)), measured)
+
+
+def write_measured(folder: Path, measured: Mapping[float, Mapping[str, float]]) -> None:
+    """Write what was measured beside the path."""
+    entries = [{"pressure_kpa": load, **values} for load, values in measured.items()]
+    write_text_atomically(folder / MEASURED_FILE, json.dumps(entries, indent=1) + "\n")
+
+
+def run_hash(scene: Scene, model: str, level: str) -> str:
+    """Hash of everything that decides a run's numbers; the axisymmetric model knows a centred core only."""
+    if isinstance(scene, BodyScene):
+        physics = scene.model_dump(mode="json", exclude={"name", "ask"})
+        physics["looking for a limit point"] = "limit_kpa" in scene.quantities
+        if isinstance(scene.geometry, MeshGeometry):
+            content = Path(scene.geometry.file).read_bytes()
+            physics["geometry"]["file"] = hashlib.sha256(content).hexdigest()
+    else:
+        centred = without_eccentricity(scene) if model == "axisymmetric" else scene
+        physics = centred.model_dump(mode="json", exclude={"name", "ask"})
+    text = json.dumps([physics, model, level, provenance.code_hash()], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+
+def finished_run(folder: Path, content_hash: str) -> Run | None:
+    """The run in a folder if it is there, whole and of this content."""
+    try:
+        run = read_run(folder)
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    return run if run.summary.content_hash == content_hash else None
+
+
+def of_model(runs: Sequence[Run], model: str) -> tuple[Run, ...]:
+    """Those of a model, in their order."""
+    return tuple(run for run in runs if run.summary.model == model)
+
+
+def value_status(run: Run, value: float, digits: str = ".2f") -> str:
+    """``reached``, or where and why the run stopped before it had a value."""
+    return stopped_text(run, digits) if math.isnan(value) else REACHED
+
+
+def stopped_text(run: Run, digits: str = ".2f") -> str:
+    """Where and why a run stopped, as a status."""
+    last = run.path[-1].pressure_kpa if run.path else 0.0
+    return f"stopped at {last:{digits}} kPa: {run.summary.reason}"
+
+
+def state_rows(scene: str, run: Run, load_kpa: float, units: Mapping[str, str]) -> list[Row]:
+    """Rows of columns of path.csv at a requested load, as far as they were computed; ``units`` by column."""
+    entry = run.at(load_kpa)
+    if entry is None:
+        return []
+    model, level = run.summary.model, run.summary.level
+    values = {name: float(getattr(entry, name)) for name in units}
+    return [
+        row(scene, name, units[name], load_kpa, model, value, level)
+        for name, value in values.items()
+        if not math.isnan(value)
+    ]
+
+
+def tip_at(run: Run | None, pressure_kpa: float, quantity: TipQuantity = "tip_mm") -> float:
+    """Elongation, mm, or force, N, at the tip of a run at a requested pressure; NaN if it was not reached."""
+    entry = None if run is None else run.at(pressure_kpa)
+    if entry is None:
+        return math.nan
+    return entry.tip_mm if quantity == "tip_mm" else entry.tip_force_n
+
+
+def run_convergence(runs: Sequence[Run], values: Sequence[float], nominal_order: float) -> Convergence:
+    """Convergence of a quantity, one value per run, over the finest levels (three, or two) where it is not NaN."""
+    found = [(1.0 / fineness(run.summary.level), value) for run, value in zip(runs, values, strict=True)]
+    found = sorted((f for f in found if not math.isnan(f[1])), reverse=True)[-3:]
+    sizes, values = [h for h, _ in found], [v for _, v in found]
+    if len(found) == 3:
+        return convergence(sizes, values, nominal_order)
+    return from_two(sizes, values, nominal_order) if len(found) == 2 else UNKNOWN
+
+
+def tip_convergence(
+    runs: Sequence[Run], pressure_kpa: float, nominal_order: float, quantity: TipQuantity = "tip_mm"
+) -> Convergence:
+    """Convergence of the tip over the finest levels (three, or two) that reached a pressure.
+
+    Two meshes may agree by accident where their tips cross on the way: of two, the uncertainty at a pressure is at
+    least their largest relative difference over all pressures that both reached.
+    """
+    found = run_convergence(runs, [tip_at(run, pressure_kpa, quantity) for run in runs], nominal_order)
+    reached = [run for run in runs if not math.isnan(tip_at(run, pressure_kpa, quantity))]
+    if len(reached) != 2:
+        return found
+    differences = []
+    for entry in reached[0].path:
+        one, other = (tip_at(run, entry.pressure_kpa, quantity) for run in reached)
+        if other and not math.isnan(one - other):
+            differences.append(abs((one - other) / other))
+    return replace(found, least=max(differences, default=0.0) * abs(tip_at(reached[-1], pressure_kpa, quantity)))

@@ -1,0 +1,34 @@
+"""Kinds of cells and solvers in scenes of all kinds."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+from studies.scene.sections import Section
+
+
+class Mesh(Section):
+    """Kind of cells: hexahedra (quadrilaterals on the meridian), or tetrahedra (triangles) as in the paper.
+
+    ``auto`` takes hexahedra unless the rings are meshed. ``tet-p0`` has one pressure per cell, like ANSYS's SOLID187
+    with constant pressure; ``tet-p1`` has linear displacements and no pressure, and locks: the control to compare with.
+
+    ``solver`` is for whole bodies in 3D: ``direct`` factorises; ``iterative`` needs less memory, takes longer and
+    counts no unstable modes; ``auto`` goes over to it where the memory does not hold the factors.
+    """
+
+    element: Literal["auto", "hex", "tet", "tet-p0", "tet-p1"] = "auto"
+    solver: Literal["auto", "direct", "iterative"] = "auto"
+
+
+def element_faults(mesh: Mesh, kappa_over_mu: float) -> list[str]:
+    """What is wrong with an element for a material or with a solver for an element."""
+    if mesh.solver == "iterative" and mesh.element == "tet-p1":
+        return ['mesh.solver = "iterative" with mesh.element = "tet-p1": it is made for quadratic elements']
+    if mesh.element != "tet-p1" or math.isfinite(kappa_over_mu):
+        return []
+    return [
+        'mesh.element = "tet-p1" with material.kappa_over_mu = inf: without pressure unknowns the material must be '
+        "compressible: set kappa_over_mu, for instance to 1000, or take another element"
+    ]

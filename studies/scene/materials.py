@@ -1,0 +1,101 @@
+"""Material laws in scenes: their numbers in kPa, what is wrong with them, and the laws in MPa."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from analytical.laws.errors import MaterialError
+from analytical.laws.isotropic import Guccione, Law, NeoHooke, Ogden, Yeoh
+from analytical.laws.stability import check_stability
+from studies.scene.sections import Modulus, Section
+
+# Stretches up to this must be stable for a law to be accepted; the reference actuators stay below it to 20 kPa.
+STABLE_STRETCH = 4.0
+# The exponential law softens in uniaxial extension beyond a stretch of 2, where the Green strain across passes -1/4.
+GUCCIONE_STABLE_STRETCH = 1.99
+
+
+class YeohMaterial(Section):
+    """W = sum C_i (I1 - 3)^i; initial shear modulus 2 C1."""
+
+    law: Literal["yeoh"]
+    c_kpa: Annotated[list[float], Field(min_length=1, max_length=3)]
+    kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
+
+
+class OgdenMaterial(Section):
+    """One Ogden term; the convention says what mu is (initial shear modulus mu, or mu alpha / 2)."""
+
+    law: Literal["ogden"]
+    mu_kpa: Modulus
+    alpha: Annotated[float, Field(ge=-20.0, le=20.0)]
+    convention: Literal["2mu/alpha^2", "mu/alpha"]
+    kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
+
+
+class NeoHookeMaterial(Section):
+    """W = mu/2 (I1 - 3); initial shear modulus mu."""
+
+    law: Literal["neo-hooke"]
+    mu_kpa: Modulus
+    kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
+
+
+class GuccioneMaterial(Section):
+    """W = C/2 (exp(b E:E) - 1), isotropic; initial shear modulus b C / 2."""
+
+    law: Literal["guccione"]
+    c_kpa: Modulus
+    b: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0
+    kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
+
+
+AnyMaterial = YeohMaterial | OgdenMaterial | NeoHookeMaterial | GuccioneMaterial
+
+
+def describe_material(material: AnyMaterial) -> str:
+    """The law, its numbers and the initial shear modulus."""
+    mu = f"initial shear modulus {1e3 * law_of(material).initial_shear_modulus_mpa:.4g} kPa"
+    if isinstance(material, YeohMaterial):
+        return f"Yeoh C = {', '.join(f'{c:g}' for c in material.c_kpa)} kPa ({mu})"
+    if isinstance(material, OgdenMaterial):
+        return f"Ogden mu = {material.mu_kpa:g} kPa, alpha = {material.alpha:g}, {material.convention} ({mu})"
+    if isinstance(material, GuccioneMaterial):
+        return f"Guccione C = {material.c_kpa:g} kPa, b = {material.b:g} ({mu})"
+    return f"neo-Hooke ({mu})"
+
+
+def law_of(material: AnyMaterial) -> Law:
+    """The material law in MPa."""
+    if isinstance(material, YeohMaterial):
+        return Yeoh(tuple(1e-3 * c for c in material.c_kpa))
+    if isinstance(material, OgdenMaterial):
+        return Ogden(1e-3 * material.mu_kpa, material.alpha, material.convention)
+    if isinstance(material, GuccioneMaterial):
+        return Guccione(1e-3 * material.c_kpa, material.b)
+    return NeoHooke(1e-3 * material.mu_kpa)
+
+
+def inverse_kappa(material: AnyMaterial) -> float:
+    """1/kappa in 1/MPa; 0 when incompressible."""
+    return 1.0 / (material.kappa_over_mu * law_of(material).initial_shear_modulus_mpa)
+
+
+def material_faults(material: AnyMaterial, highest_kpa: float, key: str) -> list[str]:
+    """What is wrong with a law, or with a highest load beside it that suggests another unit."""
+    faults = []
+    try:
+        law = law_of(material)
+        check_stability(law, GUCCIONE_STABLE_STRETCH if isinstance(law, Guccione) else STABLE_STRETCH)
+        modulus = 1e3 * law.initial_shear_modulus_mpa
+        if highest_kpa > 10.0 * modulus:
+            faults.append(
+                f"{key} reaches {highest_kpa:g}: more than 10 times the initial shear modulus, "
+                f"{modulus:g} kPa; check the units (kPa)"
+            )
+    except MaterialError as error:
+        faults.append(f"material: {error}")
+    return faults
