@@ -132,7 +132,7 @@ study-paper-audit: check ## the same, and finer meshes that must lie within its 
 
 .PHONY: study-sweep
 study-sweep: check ## elongation over R_i, t and n; where the closed form misleads a designer -> results/sweep
-	$(LAUNCH) -m studies sweep-study --out results/sweep
+	$(LAUNCH) -m studies study sweep --out results/sweep
 
 .PHONY: sweep
 sweep: check ## run all scenes of SWEEP, a sweep file -> results/sweeps/NAME
@@ -149,15 +149,15 @@ study-modes: check ## modes that break the symmetry: from which pressure on, in 
 .PHONY: study-peers
 study-peers: check ## the same bellows in CalculiX, NGSolve, FElupe and the tutorial way; hours -> results/peers
 	$(PY) -m studies.peers.environment
-	$(PY) -m studies.peers.study --out results/peers
+	$(PY) -m studies study peers --out results/peers
 
 .PHONY: study-cost
 study-cost: check ## run time against error of every model, mesh and way of stepping -> results/cost
-	$(PY) -m studies.cost.study --out results/cost
+	$(PY) -m studies study cost --out results/cost
 
 .PHONY: study-error-model
 study-error-model: check ## fit what meshes leave of error and take of time; ten scenes to check it -> results/error-model
-	$(LAUNCH) -m studies.cost.error_fit --out results/error-model
+	$(LAUNCH) -m studies study error-model --out results/error-model
 
 .PHONY: study-branches
 study-branches: check ## paths whose volume turns back, branches beyond buckling, squirm of a blocked bellows -> results/branches
@@ -177,7 +177,7 @@ study-vacuum: check ## scenes/vacuum: what bellows contract to, with contact of 
 
 .PHONY: study-smoke
 study-smoke: check ## two convolutions by every model, in a minute -> results/study-smoke
-	$(LAUNCH) -m studies smoke --out results/study-smoke
+	$(LAUNCH) -m studies study smoke --out results/study-smoke
 
 .PHONY: batch
 batch: check ## run SCENES (default scenes/*.toml) -> results/batch
@@ -189,11 +189,11 @@ report: check ## render the report of results/paper again from its runs
 
 .PHONY: study-exact
 study-exact: check ## bodies with exact answers, every model of each -> results/exact
-	$(LAUNCH) -m studies exact --out results/exact
+	$(LAUNCH) -m studies study exact --out results/exact
 
 .PHONY: study-verification
 study-verification: check ## table of every exact and published problem -> results/verification
-	$(LAUNCH) -m studies verification --out results/verification --reuse results/exact
+	$(LAUNCH) -m studies study verification --out results/verification --reuse results/exact
 
 .PHONY: study-large
 study-large: check ## direct and iterative linear algebra over size, 25 minutes at most -> results/large
@@ -219,7 +219,7 @@ benchmark-closed-form: check ## evaluations of the closed form per second, one c
 
 .PHONY: benchmark-solver
 benchmark-solver: check ## cost of tangent, factor, iteration, warm and cold start; NP ranks -> results/benchmark-solver
-	$(LAUNCH) -m studies benchmark-solver --out results/benchmark-solver
+	$(LAUNCH) -m studies study benchmark-solver --out results/benchmark-solver
 
 .PHONY: study-dimensions
 study-dimensions: check ## what fits the unprinted dimensions, which three sets are used -> results/dimensions

@@ -34,17 +34,25 @@ ROWS_FILE = "rows.csv"
 # Studies in the order of a reader's questions, and the module that has each as STUDY.
 STUDIES: Mapping[str, str] = {
     "paper": "studies.paper.study",
+    "smoke": "studies.smoke.study",
     "closed-form": "studies.closed_form.study",
     "dimensions": "studies.dimensions.study",
+    "sweep": "studies.sweep.study",
+    "exact": "studies.verification.exact",
+    "verification": "studies.verification.study",
+    "stability": "studies.stability.study",
     "modes": "studies.modes.study",
     "branches": "studies.branches.study",
     "imperfection": "studies.imperfection.study",
     "contact": "studies.contact.study",
     "vacuum": "studies.vacuum.study",
-    "stability": "studies.stability.study",
+    "cost": "studies.cost.study",
+    "peers": "studies.peers.study",
+    "error-model": "studies.cost.error_model.study",
     "large": "studies.large.study",
     "stacks": "studies.stacks.study",
     "benchmark-closed-form": "studies.closed_form.speed",
+    "benchmark-solver": "studies.cost.solver_benchmark",
 }
 
 
@@ -233,17 +241,22 @@ def run(study: Study[CaseT, ResultT], out: Path, comm: MPI.Comm, options: Mappin
     return code
 
 
-def render(study: Study[CaseT, ResultT], out: Path) -> int:
-    """Write rows and page anew without solving, of a study whose page reads its folder; one rank calls.
+def render(study: Study[CaseT, ResultT], out: Path, solved: Sequence[Solved[CaseT, ResultT]] = ()) -> int:
+    """Write rows and page anew without solving; one rank calls.
+
+    Parameters
+    ----------
+    solved
+        What has been solved before; nothing for a study whose page reads its folder.
 
     Returns
     -------
     int
         Exit code, as of `run`.
     """
-    begin = time.perf_counter()
     (out / "pictures").mkdir(parents=True, exist_ok=True)
-    return _write(study, (), (), Setting(out, MPI.COMM_SELF, Progress(MPI.COMM_SELF), {}), begin)
+    setting = Setting(out, MPI.COMM_SELF, Progress(MPI.COMM_SELF), {})
+    return _write(study, solved, (), setting, time.perf_counter())
 
 
 def solve_cases(
@@ -270,6 +283,8 @@ def solve_cases(
 
 def farm(items: Sequence[Item], comm: MPI.Comm, work: Callable[[Item], Done]) -> list[Done]:
     """Share items out over ranks, one rank each; what came out, in their order, on every rank."""
+    if comm.size == 1:
+        return [work(item) for item in items]
     mine = {k: work(items[k]) for k in range(comm.rank, len(items), comm.size)}
     every = {k: done for part in comm.allgather(mine) for k, done in part.items()}
     return [every[k] for k in range(len(items))]
@@ -277,6 +292,8 @@ def farm(items: Sequence[Item], comm: MPI.Comm, work: Callable[[Item], Done]) ->
 
 def first(comm: MPI.Comm, work: Callable[[], Done]) -> Done:
     """What rank 0 finds, on every rank; the others leave it their cores. An error is raised on every rank."""
+    if comm.size == 1:
+        return work()
     answer: tuple[Done | None, Exception | None] = (None, None)
     if comm.rank == 0:
         try:

@@ -25,7 +25,7 @@ def sweep(file: Path, out: Path) -> None:
 
     Finished scenes are not repeated. Combinations that are no valid scene stay in the table with the reason.
     """
-    from studies.models import farm
+    from studies.sweep import farm
 
     check_writable(out)
 

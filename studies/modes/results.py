@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Final
@@ -41,14 +41,14 @@ class SceneModes:
     rows
         Its numbers.
     pictures
-        Of the finest run's critical modes, by harmonic, relative to the study's folder.
+        Of the finest run's critical modes: crossing, and file relative to the study's folder.
     """
 
     model: ModesModel
     runs: Sequence[Run]
     crossings: Sequence[Sequence[FoundCrossing]]
     rows: Sequence[Row]
-    pictures: Mapping[int, str]
+    pictures: Sequence[tuple[FoundCrossing, str]]
 
     @property
     def name(self) -> str:

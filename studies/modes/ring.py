@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from functools import partial
 from typing import Final
 
 import numpy as np
@@ -53,12 +52,11 @@ def ring_rows(ring: Ring) -> list[Row]:
     known = {m: b.pressure_mpa if ring.load == "follower" else b.nominal_pressure_mpa for m, b in exact.items()}
     rows = []
     for through in LEVELS:
-        number = partial(row, ring.name, pressure_kpa=math.nan, model="axisymmetric", level=f"r{through}")
         for m, (pressure, within) in _buckling(ring.load, through, max(known.values())).items():
-            value, spread, reference = 1e3 * pressure, 1e3 * within, 1e3 * known[m]
-            quantity = f"crossing_m{m}_kpa"
+            quantity, level = f"crossing_m{m}_kpa", f"r{through}"
+            kpa, spread, reference = 1e3 * pressure, 1e3 * within, 1e3 * known[m]
             rows.append(
-                number(quantity, "kPa", value=value, uncertainty=spread, reference=reference, source="exact ring")
+                row(ring.name, quantity, "kPa", math.nan, "axisymmetric", kpa, level, spread, reference, "exact ring")
             )
     return rows
 

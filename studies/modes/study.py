@@ -73,13 +73,13 @@ def solve(case: Case | Ring, at: Setting) -> SceneModes | list[Row]:
     rows = [*count_rows(model, runs), *crossing_rows(model, runs, crossings)]
     if case.confirmed and crossings[0]:
         rows += confirm_rows(model, places[0], crossings[0][0])
-    pictures = {}
+    pictures = []
     for crossing in crossings[-1]:
         name = f"pictures/{case.name}-m{crossing.waves}.png"
         if fault := draw_mode(at.out / name, model, COUNTED_LEVELS[-1], places[-1], crossing):
             at.progress.warn(f"{case.name}: no picture of m = {crossing.waves}: {fault}")
         else:
-            pictures[crossing.waves] = name
+            pictures.append((crossing, name))
     return SceneModes(model, runs, crossings, rows, pictures)
 
 
@@ -87,16 +87,17 @@ def page(solved: Sequence[Solved[Case | Ring, SceneModes | list[Row]]], at: Sett
     """What is stable and what is not, crossings, counts, whole bodies, rings, and pictures of the modes."""
     results = [done.result for done in solved if isinstance(done.result, SceneModes)]
     rows = [r for done in solved for r in (done.result.rows if isinstance(done.result, SceneModes) else done.result)]
-    said = summary(results, rows)
+    bodies, rings = [r for r in rows if r.model == "full3d"], [r for r in rows if r.scene.startswith("ring-")]
+    said = summary(results, bodies, rings)
     content = {
         "summary": said,
         "crossings": crossings_table(results),
         "counts": counts_table(rows),
         "finest": level_label(f"r{COUNTED_LEVELS[-1]}"),
-        "bodies": bodies_table(rows),
+        "bodies": bodies_table(bodies),
         "band": f"{100.0 * BAND:g}",
-        "rings": rings_table(rows),
-        "pictures": [(name, caption(result, m)) for result in results for m, name in result.pictures.items()],
+        "rings": rings_table(rings),
+        "pictures": [(file, caption(result.name, c)) for result in results for c, file in result.pictures],
     }
     crossings = [r for r in rows if r.quantity.startswith("crossing")]
     stopped = [stop for result in results for stop in result.stops]

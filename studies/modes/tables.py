@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from solvers.stability.modes import WAVES
-from studies.models.modes import COUNTED_LEVELS, counts_of
+from studies.models.modes import COUNTED_LEVELS, FoundCrossing, counts_of
 from studies.modes.full3d import BAND
 from studies.modes.results import SceneModes
 from studies.report.labels import level_label
@@ -14,28 +14,18 @@ from studies.report.tables import Column, Table, pivot, pressure_of, table_of
 from studies.results.rows import Row, is_reached
 
 
-def bodies_of(rows: Sequence[Row]) -> list[Row]:
-    """Counts on whole bodies."""
-    return [r for r in rows if r.model == "full3d"]
-
-
-def rings_of(rows: Sequence[Row]) -> list[Row]:
-    """Pressures at which rings buckle."""
-    return [r for r in rows if r.scene.startswith("ring-")]
-
-
-def summary(results: Sequence[SceneModes], rows: Sequence[Row]) -> list[str]:
-    """What was found, a sentence each."""
+def summary(results: Sequence[SceneModes], bodies: Sequence[Row], rings: Sequence[Row]) -> list[str]:
+    """What was found of scenes, of whole bodies and of rings, a sentence each."""
     lines = []
     stable = [r for r in results if not r.stops and not any(any(counts_of(p)) for run in r.runs for p in run.path)]
     if stable:
         names = ", ".join(f"{r.name} (to {r.model.scene.loads_kpa[-1]:g} kPa)" for r in stable)
         lines.append(f"Stable in m = 0…6 at every requested pressure, on both meridians: {names}.")
     lines += [_first_loss(result) for result in results if result.crossings[-1]]
-    if bodies := bodies_of(rows):
+    if bodies:
         same, share = sum(r.value == r.reference for r in bodies), f"{100.0 * BAND:g} %"
         lines.append(f"Whole bodies in 3D count the same at {same} of {len(bodies)} states {share} beside a crossing.")
-    if rings := rings_of(rows):
+    if rings:
         worst = rounded_up(max(abs(r.error_percent) for r in rings if r.level == rings[-1].level), 2)
         lines.append(f"Rings buckle within {worst:g} % of the exact pressures on the finest of three meshes.")
     return lines
@@ -51,11 +41,10 @@ def _first_loss(result: SceneModes) -> str:
     return f"{result.name}: m = {first.waves} is lost at {first.pressure_kpa:.4g} ± {spread:g} kPa{pushes}; {meaning}."
 
 
-def caption(result: SceneModes, waves: int) -> str:
-    """What the picture of a mode shows."""
-    found = next(c for c in result.crossings[-1] if c.waves == waves)
+def caption(name: str, crossing: FoundCrossing) -> str:
+    """What the picture of a scene's mode shows."""
     return (
-        f"{result.name} at {found.pressure_kpa:.4g} kPa: straight, and with its critical mode m = {waves} "
+        f"{name} at {crossing.pressure_kpa:.4g} kPa: straight, and with its critical mode m = {crossing.waves} "
         "added (its size is nobody's: drawn as 0.4 of the body's radius). Half section; rings are not drawn."
     )
 
@@ -105,7 +94,7 @@ def bodies_table(rows: Sequence[Row]) -> Table:
         "by harmonics": lambda r: number_text(r.reference),
         "": _verdict,
     }
-    return table_of(bodies_of(rows), columns, left=(0, 1, 5))
+    return table_of(rows, columns, left=(0, 1, 5))
 
 
 def _verdict(entry: Row) -> str:
@@ -124,4 +113,4 @@ def rings_table(rows: Sequence[Row]) -> Table:
         "exact": lambda r: f"{r.reference:.6g}",
         "error, %": lambda r: signed(r.error_percent) if abs(r.error_percent) >= 0.01 else f"{r.error_percent:+.4f}",
     }
-    return table_of(rings_of(rows), columns, left=(0,))
+    return table_of(rows, columns, left=(0,))

@@ -1,4 +1,4 @@
-"""The report of scenes that have been run, from their folders."""
+"""What reports say of scenes that have been run, from their results and folders."""
 
 from __future__ import annotations
 
@@ -8,15 +8,56 @@ from pathlib import Path
 import numpy as np
 
 from meshes.bellows import FloatArray
-from studies.models.session import SCENE_FILE, read_scene_folder
+from studies.models.session import ROWS_FILE, SCENE_FILE, SceneKind, SceneResult, read_scene_folder
+from studies.report.labels import counted_along
 from studies.report.pictures.stills import RingBox
 from studies.report.scene_report import SceneReport
-from studies.report.scenes import write_report
-from studies.results import provenance
 from studies.results.closed_form_rows import validity_notes
-from studies.results.files import PathRow, field_files, load_state
+from studies.results.files import field_files, load_state
+from studies.results.rows import read_rows
 from studies.scene.bellows import BellowsScene, shape_of
-from studies.scene.files import load_bellows
+from studies.scene.files import Scene, kept_scene
+
+
+def read_result(folder: Path) -> SceneResult[Scene]:
+    """The results of a scene as they are in its folder.
+
+    Those of a bellows are compared anew; of a simple body the runs behind its rows, for runs of an earlier plan may be
+    there too.
+    """
+    scene = kept_scene(folder / SCENE_FILE)
+    found = read_scene_folder(scene, folder)
+    if isinstance(scene, BellowsScene):
+        return found
+    rows = tuple(read_rows(folder / ROWS_FILE))
+    shown = {(row.model, row.level) for row in rows}
+    runs = tuple(run for run in found.runs if (run.summary.model, run.summary.level) in shown)
+    return SceneResult(scene, runs, rows)
+
+
+def report_of(result: SceneResult[SceneKind], folder: Path) -> SceneReport:
+    """What reports say of a scene whose results are in a folder."""
+    scene, finest = result.scene, result.full3d[-1].summary if result.full3d else None
+    fields: dict[float, Path] = {}
+    rings: dict[float, tuple[RingBox, ...]] = {}
+    if isinstance(scene, BellowsScene) and finest is not None:
+        place = folder / f"full3d-{finest.level}"
+        fields = field_files(place, scene.load.pressure_kpa)
+        rings = ring_boxes(scene, place, finest.content_hash, list(fields))
+    return SceneReport(
+        name=scene.name,
+        title=scene.title,
+        scene_toml=(folder / SCENE_FILE).read_text(encoding="utf-8"),
+        pressures_kpa=tuple(scene.loads_kpa),
+        rows=result.rows,
+        runs=tuple(run.summary for run in result.runs),
+        paths={f"{run.summary.model} {run.summary.level}": list(run.path) for run in result.runs},
+        fields=fields,
+        notes=tuple(validity_notes(scene)) if isinstance(scene, BellowsScene) else (),
+        rings=rings,
+        counted=counted_along(scene.geometry.kind),
+        stopped=result.reason,
+    )
 
 
 def ring_boxes(
@@ -39,43 +80,3 @@ def ring_boxes(
         if saved is not None:
             out[pressure] = boxes(saved[0].bodies_mm[: len(shape.crest_positions_mm), 2])
     return out
-
-
-def render_scenes(folder: Path, title: str, introduction: str, scene_folders: Sequence[Path]) -> Path:
-    """Write the report of scene folders into ``folder``; returns the path of report.html."""
-    reports = []
-    total = 0.0
-    for scene_folder in scene_folders:
-        result = read_scene_folder(load_bellows(scene_folder / SCENE_FILE), scene_folder)
-        runs = result.runs
-        total += sum(run.summary.time_s["total"] for run in runs)
-        paths: dict[str, list[PathRow]] = {f"{run.summary.model} {run.summary.level}": list(run.path) for run in runs}
-        fields: dict[float, Path] = {}
-        rings: dict[float, tuple[RingBox, ...]] = {}
-        if result.full3d:
-            finest = scene_folder / f"full3d-{result.full3d[-1].summary.level}"
-            fields = field_files(finest, result.scene.load.pressure_kpa)
-            rings = ring_boxes(result.scene, finest, result.full3d[-1].summary.content_hash, list(fields))
-        notes = validity_notes(result.scene)
-        reports.append(
-            SceneReport(
-                name=result.scene.name,
-                title=result.scene.title,
-                scene_toml=(scene_folder / SCENE_FILE).read_text(encoding="utf-8"),
-                pressures_kpa=tuple(result.scene.load.pressure_kpa),
-                rows=result.rows,
-                runs=tuple(run.summary for run in runs),
-                paths=paths,
-                fields=fields,
-                rings=rings,
-                notes=tuple(notes),
-            )
-        )
-    facts = {
-        "commit": provenance.commit(),
-        "date": provenance.now(),
-        "machine": provenance.machine(),
-        "BLAS": provenance.blas(),
-        **provenance.versions(),
-    }
-    return write_report(folder, title, introduction, reports, facts, total)

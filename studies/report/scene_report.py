@@ -40,6 +40,8 @@ class SceneReport:
         Rigid rings to draw, by pressure (kPa), 0.0 for unloaded; empty where there are none.
     counted
         What the cells of a mesh such as ``n8`` are counted along.
+    stopped
+        Why a run that was to reach every load did not; empty if all did.
     """
 
     name: str
@@ -53,6 +55,7 @@ class SceneReport:
     notes: tuple[str, ...]
     rings: dict[float, tuple[RingBox, ...]] = field(default_factory=dict)
     counted: str = "round"
+    stopped: str = ""
 
 
 def quantity_of(scene: SceneReport) -> str:

@@ -1,4 +1,4 @@
-"""Report of a study as Markdown and as one self-contained HTML file, rendered from rows and runs."""
+"""The page on bellows that have been run, rendered from their rows and runs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from studies.report.bars import draw_overview, draw_times
 from studies.report.curves import Curve, draw_elongation
 from studies.report.labels import TIP, TIP_FORCE, level_label, model_label, ordered, runs_label, split_key
 from studies.report.numbers import duration, is_printed, rounded_up, short_status
-from studies.report.pages import write_page
 from studies.report.pictures.child import draw_states
 from studies.report.pictures.stills import Still
 from studies.report.scene_report import (
@@ -30,52 +29,23 @@ from studies.report.scene_report import (
     unit_of,
 )
 from studies.report.scene_tables import REFERENCES
+from studies.report.tables import facts_table
 from studies.results.files import PATH_FILE, RunSummary, write_path
-from studies.results.rows import difference_percent, is_reached, write_rows
+from studies.results.rows import difference_percent, is_reached
 
 
-def write_report(
-    folder: Path,
-    title: str,
-    introduction: str,
-    scenes: Sequence[SceneReport],
-    provenance: dict[str, str],
-    wall_s: float,
-) -> Path:
-    """Write report.md, report.html, rows.csv, pictures/ and paths/.
-
-    Parameters
-    ----------
-    folder
-        Where to; made if missing.
-    title, introduction
-        Heading, and Markdown that follows it.
-    scenes
-        What to report.
-    provenance
-        Commit, versions, BLAS, machine, date: by the name shown.
-    wall_s
-        Wall time of the whole study, s.
-
-    Returns
-    -------
-    Path
-        report.html.
-    """
-    folder.mkdir(parents=True, exist_ok=True)
-    write_rows(folder / "rows.csv", (row for scene in scenes for row in scene.rows))
-    content = {
-        "title": title,
-        "introduction": introduction,
+def content(folder: Path, scenes: Sequence[SceneReport]) -> dict[str, Any]:
+    """What the page shows of scenes, by name; draws pictures/ and writes paths/ into its folder."""
+    runs = [run for scene in scenes for run in scene.runs]
+    return {
         "summary": scene_tables.summary(scenes, [verdict(scene) for scene in scenes]),
         "overview": _draw_overview(folder, scenes),
         "compared_with_paper": any(is_printed(row) for scene in scenes for row in scene.rows),
         "levels": {model: _levels(scenes, model) for model in REFERENCES},
         "scenes": [_scene(folder, scene) for scene in scenes],
-        "provenance": scene_tables.provenance(scenes, provenance),
-        "wall": duration(wall_s),
+        "solved": duration(sum(run.time_s["total"] for run in runs)),
+        "runs": facts_table(scene_tables.stamps_of(runs)),
     }
-    return write_page(folder, "report.md.j2", content)
 
 
 def verdict(scene: SceneReport) -> str:

@@ -11,8 +11,8 @@ from pydantic import Field, model_validator
 from analytical.bellows.dimensions import BellowsDimensions
 from analytical.laws.stiff import PLA, POLYETHYLENE, StiffSolid
 from meshes.bellows import BellowsShape, check_shape
+from meshes.by_gmsh.ring import RingShape
 from meshes.errors import GeometryError
-from meshes.ring import RingShape
 from studies.scene.elements import Mesh, element_faults
 from studies.scene.materials import NeoHookeMaterial, OgdenMaterial, YeohMaterial, describe_material, material_faults
 from studies.scene.sections import Length, Section, Stiffness

@@ -61,9 +61,9 @@ def measure(out: Path) -> Figures:
     """Run everything into a folder, which is emptied; see this module's heading."""
     shutil.rmtree(out, ignore_errors=True)
     out.mkdir(parents=True)
-    smoke = _cold_and_warm(out, "smoke", "smoke")
-    _run(out, "exact", "exact")
-    core = _cold_and_warm(out, "paper", "study", "paper", "--part", "core")
+    smoke = _cold_and_warm(out, "smoke")
+    _run(out, "exact")
+    core = _cold_and_warm(out, "paper", "--part", "core")
     write_rows(
         out / "rows.csv", [row for name in ("smoke", "exact", "paper") for row in read_rows(out / name / "rows.csv")]
     )
@@ -86,17 +86,18 @@ def read_figures(folder: Path) -> Figures:
     return Figures(**json.loads((folder / FIGURES_FILE).read_text(encoding="utf-8")))
 
 
-def _cold_and_warm(out: Path, name: str, *command: str) -> tuple[float, float]:
+def _cold_and_warm(out: Path, name: str, *options: str) -> tuple[float, float]:
     """Wall times of a study without and with its forms compiled, s; the second run is kept."""
     shutil.rmtree(out / "cache", ignore_errors=True)
-    cold_s = _run(out, name, *command)
+    cold_s = _run(out, name, *options)
     shutil.rmtree(out / name)
-    return cold_s, _run(out, name, *command)
+    return cold_s, _run(out, name, *options)
 
 
-def _run(out: Path, name: str, *command: str) -> float:
-    """Run a study's command on two ranks into a folder of its name; wall time, s."""
-    wall_s = _ended(out, launch.on_ranks(RANKS, "-m", "studies", *command, "--out", str(out / name))).wall_s
+def _run(out: Path, name: str, *options: str) -> float:
+    """Run a study on two ranks into a folder of its name; wall time, s."""
+    command = launch.on_ranks(RANKS, "-m", "studies", "study", name, "--out", str(out / name), *options)
+    wall_s = _ended(out, command).wall_s
     click.echo(f"{name}: {wall_s:.0f} s")
     return wall_s
 

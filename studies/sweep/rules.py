@@ -5,13 +5,13 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
 from analytical.arrays import FloatArray
+from studies.sweep.table import Chain
 
-Chain = Literal["closed_form", "closed_form_balanced", "closed_form_seat"]
 LIMIT_PERCENT: Final = 10.0
 # Factors and load numbers that a designer can remember.
 _FACTORS: Final = np.arange(1.0, 2.001, 0.05)

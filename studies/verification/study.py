@@ -8,22 +8,22 @@ from __future__ import annotations
 
 import math
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
-from mpi4py import MPI
+import click
 
-from studies.models.session import ROWS_FILE, SCENE_FILE, SceneResult, run_all_models
+from studies.engine import Page, Setting, Solved, Study
+from studies.models.session import SCENE_FILE, SceneResult
 from studies.planning.levels import fineness
-from studies.progress import Progress
-from studies.report.labels import counted_along
-from studies.results.rows import Row, row, write_rows
+from studies.report.labels import counted_along, quantity_label, run_label
+from studies.report.numbers import number_text
+from studies.report.tables import Table, table_of
+from studies.results.rows import Row, row
 from studies.scene.bodies import BodyScene
-from studies.scene.files import load_scene
-from studies.scene.sections import SceneError
-from studies.verification import two_routes as exact_table
+from studies.verification import exact, two_routes
 
 # Two errors tell an order of convergence only above what Newton and the locating of crossings leave, relative.
 NOISE: Final = 1e-8
@@ -52,71 +52,37 @@ class Line:
     counted: str = "round"
 
 
-@dataclass(frozen=True)
-class Verification:
-    """All rows, lines of the finite element problems, formulas by two routes, and what did not reach its loads."""
-
-    rows: tuple[Row, ...]
-    lines: tuple[Line, ...]
-    formulas: tuple[exact_table.TwoRoutes, ...]
-    stopped: tuple[str, ...]
+def cases(options: Mapping[str, Any]) -> list[BodyScene]:
+    """All scenes with a reference; users' meshes have none."""
+    return [scene for scene in exact.cases(options) if scene.geometry.kind != "mesh"]
 
 
-def run_verification(
-    scenes: Sequence[Path], out: Path, reuse: Path | None, comm: MPI.Comm, progress: Progress
-) -> Verification:
-    """Solve scenes with every model each has, and gather the table; every rank calls.
-
-    Parameters
-    ----------
-    scenes
-        Scene files; those of users' meshes have no reference and are left out.
-    out
-        Results are kept here, a folder for each scene; rows.csv is written.
-    reuse
-        A folder of the same form, such as that of ``make study-exact``, whose finished runs are taken over, or None.
-
-    Returns
-    -------
-    Verification
-
-    Raises
-    ------
-    SceneError
-        If a scene is not one of a simple body.
-    """
-    results = []
-    for path in scenes:
-        scene = load_scene(path)
-        if not isinstance(scene, BodyScene):
-            raise SceneError(f"{path}: a bellows has no exact answer: give scenes such as those of scenes/exact")
-        if scene.geometry.kind == "mesh":
-            continue
-        folder = out / scene.name
-        if comm.rank == 0 and reuse is not None and not folder.exists() and (reuse / scene.name / SCENE_FILE).exists():
-            shutil.copytree(reuse / scene.name, folder)
-        comm.barrier()
-        results.append(run_all_models(scene, path.read_text(encoding="utf-8"), folder, comm, progress))
-    found = gather(results)
-    if comm.rank == 0:
-        write_rows(out / ROWS_FILE, found.rows)
-    comm.barrier()
-    return found
+def solve(scene: BodyScene, at: Setting) -> SceneResult[BodyScene]:
+    """Every model of a scene; its finished runs may be those of another folder."""
+    folder, reuse = at.out / scene.name, at.options["reuse"]
+    if at.comm.rank == 0 and reuse is not None and not folder.exists() and (reuse / scene.name / SCENE_FILE).exists():
+        shutil.copytree(reuse / scene.name, folder)
+    at.comm.barrier()
+    return exact.solve_all_models(scene, at)
 
 
-def gather(results: Sequence[SceneResult[BodyScene]]) -> Verification:
-    """The table of finished scenes."""
+def page(solved: Sequence[Solved[BodyScene, SceneResult[BodyScene]]], at: Setting) -> Page:
+    """The table of the solved scenes, and of formulas by two routes."""
     lines: list[Line] = []
-    stopped = []
-    for result in results:
-        compared = [r for r in result.rows if math.isfinite(r.reference)]
-        lines += lines_of(compared, counted_along(result.scene.geometry.kind))
-        if not result.reached:
-            stopped.append(f"{result.scene.name}: {result.reason}")
-    formulas = exact_table.all_routes()
-    orders = [_order_row(line) for line in lines if math.isfinite(line.order)]
-    rows = [r for result in results for r in result.rows if math.isfinite(r.reference)]
-    return Verification((*rows, *orders, *exact_table.rows(formulas)), tuple(lines), tuple(formulas), tuple(stopped))
+    compared: list[Row] = []
+    for scene, result in ((done.case, done.result) for done in solved):
+        known = [row for row in result.rows if math.isfinite(row.reference)]
+        lines += lines_of(known, counted_along(scene.geometry.kind))
+        compared += known
+    formulas = two_routes.all_routes()
+    content = {
+        "problems": problems(lines),
+        "formulas": two_routes.table(formulas),
+        "worst": f"{max(one.difference for one in formulas):.1e}",
+        "goal": f"{two_routes.GOAL:.0e}",
+    }
+    rows = [*compared, *(_order_row(line) for line in lines if math.isfinite(line.order)), *two_routes.rows(formulas)]
+    return Page(rows, content, [f"{d.case.name}: {d.result.reason}" for d in solved if not d.result.reached])
 
 
 def lines_of(compared: Sequence[Row], counted: str = "round") -> list[Line]:
@@ -177,3 +143,44 @@ def same_load(a: Row, b: Row) -> bool:
 def _order_row(line: Line) -> Row:
     r = line.finest
     return row(r.scene, r.quantity + ORDER_SUFFIX, "1", r.pressure_kpa, r.model, line.order, r.level)
+
+
+def problems(lines: Sequence[Line]) -> Table:
+    """A line per problem, quantity and model."""
+    columns = {
+        "problem": lambda line: line.finest.scene,
+        "quantity": lambda line: quantity_label(line.finest.quantity),
+        "model and mesh": lambda line: run_label(line.finest.model, line.finest.level, counted=line.counted),
+        "load, kPa": lambda line: number_text(line.finest.pressure_kpa or math.nan, "g"),
+        "value": lambda line: _value(line.finest),
+        "reference": lambda line: f"{line.finest.reference:.6g}",
+        "error, %": lambda line: number_text(line.finest.error_percent, "+.2g").replace("-", "\N{MINUS SIGN}"),
+        "order": lambda line: number_text(line.order, ".1f"),
+        "source": lambda line: line.finest.source,
+    }
+    return table_of(lines, columns, left=(0, 1, 2, 8))
+
+
+def _value(entry: Row) -> str:
+    if not math.isfinite(entry.value):
+        return entry.status
+    return f"{entry.value:.6g}" + ("" if math.isnan(entry.uncertainty) else f" ± {entry.uncertainty:.1g}")
+
+
+STUDY: Final = Study(
+    name="verification",
+    title="Verification: exact and published problems, and what this program gives",
+    question="What does the program give for every problem whose answer is exact, published or known by two routes?",
+    template="verification/page.md.j2",
+    cases=cases,
+    solve=solve,
+    page=page,
+    share="all",
+    options=(
+        click.Option(
+            ["--reuse"],
+            type=click.Path(path_type=Path),
+            help="Take over finished runs from this folder, such as results/exact.",
+        ),
+    ),
+)

@@ -25,7 +25,7 @@ from analytical.laws.isotropic import Law
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from studies.closed_form.chains import path_of
 from studies.closed_form.one_by_one import elongation_by_equations_mm, error_text
-from studies.report.tables import Table
+from studies.report.tables import Table, table_of
 from studies.results.rows import Row, row
 
 LAWS: Final[dict[str, Law]] = {"Dragon Skin 10": DRAGON_SKIN_10, "Dragon Skin 30": dragon_skin_30("2mu/alpha^2")}
@@ -80,20 +80,16 @@ def all_routes() -> list[TwoRoutes]:
 
 def table(found: list[TwoRoutes]) -> Table:
     """Both values of every quantity and how far they are apart."""
-    lines = (
-        (
-            one.problem,
-            one.law,
-            f"{one.quantity}, {one.unit}",
-            f"{one.first:.12g}",
-            f"{one.second:.12g}",
-            error_text(one.difference),
-            " / ".join(one.routes),
-        )
-        for one in found
-    )
-    header = ("problem", "law", "quantity", "route 1", "route 2", "relative difference", "routes")
-    return Table(header, tuple(lines), left=(0, 1, 2, 6))
+    columns = {
+        "problem": lambda one: one.problem,
+        "law": lambda one: one.law,
+        "quantity": lambda one: f"{one.quantity}, {one.unit}",
+        "route 1": lambda one: f"{one.first:.12g}",
+        "route 2": lambda one: f"{one.second:.12g}",
+        "relative difference": lambda one: error_text(one.difference),
+        "routes": lambda one: " / ".join(one.routes),
+    }
+    return table_of(found, columns, left=(0, 1, 2, 6))
 
 
 def rows(found: list[TwoRoutes]) -> list[Row]:

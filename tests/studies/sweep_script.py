@@ -7,8 +7,8 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from studies.models.farm import run_sweep
 from studies.progress import Progress
+from studies.sweep.farm import run_sweep
 
 if __name__ == "__main__":
     outcome = run_sweep(Path(sys.argv[1]), Path(sys.argv[2]), MPI.COMM_WORLD, Progress(MPI.COMM_WORLD))

@@ -1,4 +1,4 @@
-"""Counts by harmonic in runs: path.csv, modes.json, the modes command, revolved shapes."""
+"""Counts by harmonic in runs: path.csv, modes.json, the modes study, revolved shapes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from solvers.stability.harmonics import Shape
 from studies.__main__ import main
 from studies.models import modes as modes_run
 from studies.models.axisymmetric import run_axisymmetric
-from studies.models.farm import run_sweep
 from studies.models.modes import WARNING, counts_of, read_crossings, read_shape
 from studies.modes.full3d import on_full_circle
 from studies.modes.pictures import revolved_mode
@@ -24,6 +23,7 @@ from studies.progress import Progress
 from studies.results.files import read_path, read_summary
 from studies.results.rows import is_reached, read_rows
 from studies.scene.files import load_bellows
+from studies.sweep.farm import run_sweep
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -141,7 +141,7 @@ def test_solve_says_that_a_held_tip_bends_sideways(blocked) -> None:
 
 
 @pytest.mark.slow
-def test_modes_command_writes_rows_and_draws_the_mode(tmp_path) -> None:
+def test_modes_study_writes_rows_and_draws_the_mode(tmp_path) -> None:
     scene = tmp_path / "tube.toml"
     scene.write_text(TUBE.format(name="tube", length=100.0), encoding="utf-8")
     result = CliRunner().invoke(main, ["study", "modes", str(scene), "--out", str(tmp_path / "out")])
@@ -158,7 +158,7 @@ def test_modes_command_writes_rows_and_draws_the_mode(tmp_path) -> None:
     assert kept["crossings"][0]["tip_mm"] is None  # a tube between two clamps has no tip
 
 
-def test_modes_command_refuses_what_is_no_body_of_revolution(tmp_path) -> None:
+def test_modes_study_refuses_what_is_no_body_of_revolution(tmp_path) -> None:
     scene = ROOT / "scenes" / "exact" / "cube.toml"
     result = CliRunner().invoke(main, ["study", "modes", str(scene), "--out", str(tmp_path / "out")])
     assert result.exit_code == 2

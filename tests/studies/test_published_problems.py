@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from click.testing import CliRunner, Result
 from mpi4py import MPI
 
+from studies import engine
 from studies.__main__ import main
-from studies.progress import Progress
+from studies.models.session import SceneResult
 from studies.results.exact_answers import COOK_CORNER_MM
 from studies.results.rows import Row, read_rows, row
 from studies.scene.files import load_scene
 from studies.scene.sections import SceneError
 from studies.verification import study as verification
-from studies.verification.report import render_verification
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes" / "exact"
 
@@ -132,21 +135,29 @@ def test_observed_order_of_exact_and_of_other_references() -> None:
 def test_table_holds_every_known_value_and_reuses_runs(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr("studies.planning.bodies.BLOCK_LEVELS", ("n2",))
     monkeypatch.setattr("studies.planning.bodies.COOK_LEVELS", ("n4", "n8", "n10"))
-    scenes = [SCENES / f"{name}.toml" for name in ("cube", "cook", "mesh")]
-    comm = MPI.COMM_SELF
-    found = verification.run_verification(scenes, tmp_path / "a", None, comm, Progress(comm))
-    assert [(line.finest.scene, line.finest.level) for line in found.lines] == [("cube", "n2"), ("cook", "n10")]
-    assert not found.stopped
-    assert found.lines[1].order > 1.0
-    assert max(one.difference for one in found.formulas) < 1e-10
-    again = verification.run_verification(scenes, tmp_path / "b", tmp_path / "a", comm, Progress(comm))
+    scenes = [scene for scene in verification.cases({}) if scene.name in ("cube", "cook")]
+    study = dataclasses.replace(verification.STUDY, cases=lambda options: scenes)
+    for name, reuse in (("a", None), ("b", tmp_path / "a")):
+        assert engine.run(study, tmp_path / name, MPI.COMM_SELF, {"reuse": reuse}) == 0
     kept = [(tmp_path / name / "cook" / "full3d-n8" / "summary.json").read_bytes() for name in "ab"]
     assert kept[0] == kept[1]  # its time too: it was not solved again
     # NaN equals nothing, so the files are compared
-    assert again.lines[0].finest.value == found.lines[0].finest.value
-    rows = [(tmp_path / name / "rows.csv").read_text(encoding="utf-8") for name in "ab"]
-    assert rows[0] == rows[1]
-    assert any(r.quantity == "corner_mm_order" for r in read_rows(tmp_path / "a" / "rows.csv"))
-    page = render_verification(tmp_path / "a", found, 1.0).with_suffix(".md").read_text(encoding="utf-8")
+    assert len({(tmp_path / name / "rows.csv").read_text(encoding="utf-8") for name in "ab"}) == 1
+    rows = read_rows(tmp_path / "a" / "rows.csv")
+    (order,) = [r.value for r in rows if r.quantity == "corner_mm_order"]
+    assert order > 1.0
+    assert all(abs(r.value / r.reference - 1.0) < 1e-8 for r in rows if r.model == "exact")  # nine digits
+    page = (tmp_path / "a" / "report.md").read_text(encoding="utf-8")
+    assert "| cook | displacement of the corner, mm | full 3D, 10 cells along an edge |" in page
+    assert "| cube | loss of stability, kPa | full 3D, 2 cells along an edge |" in page
     assert "own: limit of refined meshes" in page
     assert "torque, N mm" in page
+    assert "mesh" not in {scene.name for scene in verification.cases({})}
+
+
+def test_a_scene_that_stopped_is_told(tmp_path) -> None:
+    scene = next(scene for scene in verification.cases({}) if scene.name == "cube")
+    run = SimpleNamespace(summary=SimpleNamespace(status="stopped", reason="no memory"))
+    solved: list[engine.Solved[Any, Any]] = [engine.Solved(scene, SceneResult(scene, (run,), ()))]  # type: ignore[arg-type]
+    assert engine.render(verification.STUDY, tmp_path, solved) == 3
+    assert "- cube: no memory" in (tmp_path / "report.md").read_text(encoding="utf-8")

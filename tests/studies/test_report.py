@@ -12,15 +12,17 @@ import pytest
 from matplotlib.image import imread as read_png
 from numpy.typing import NDArray
 
+from studies.engine import Solved, render
 from studies.report.labels import run_label
 from studies.report.numbers import MISSING
 from studies.report.pictures.child import draw_states
 from studies.report.pictures.stills import RingBox, Still
 from studies.report.scene_report import SceneReport, headline
-from studies.report.scenes import verdict, write_report
+from studies.report.scenes import verdict
 from studies.report.tables import Column, per_level, pivot, pressure_of
 from studies.results.files import PathRow, RunSummary, read_path
 from studies.results.rows import Row, read_rows, row
+from studies.smoke.study import STUDY, cases
 
 PRESSURES = (10.0, 20.0)
 AXISYMMETRIC = {"r1": (50.343, 74.620), "r2": (50.242, 74.485), "r4": (50.222, 74.442)}
@@ -105,8 +107,9 @@ def make_scene(name: str = "demo-scene", stop_kpa: float = math.inf) -> SceneRep
 
 def report(folder: Path, *scenes: SceneReport) -> tuple[str, str]:
     """Markdown and HTML of a report."""
-    page = write_report(folder, "A study", "What it is *about*.", scenes, {"commit": "abc1234"}, 90.0)
-    return (folder / "report.md").read_text(encoding="utf-8"), page.read_text(encoding="utf-8")
+    (case,) = cases({})
+    assert render(STUDY, folder, [Solved(case, scene) for scene in scenes]) == 0
+    return (folder / "report.md").read_text(encoding="utf-8"), (folder / "report.html").read_text(encoding="utf-8")
 
 
 def table(text: str, heading: str) -> list[dict[str, str]]:

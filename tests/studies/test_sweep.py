@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-import json
 import math
 import re
 import shutil
@@ -18,19 +17,21 @@ import pytest
 from mpi4py import MPI
 
 from solvers.errors import SolverError
-from studies.closed_form.chains import SILICONES
+from studies.closed_form.tables import SILICONES
+from studies.engine import Solved, render
 from studies.models import axisymmetric
-from studies.models import farm as sweep
-from studies.models.farm import SweepOutcome, SweepRow, read_table, run_sweep, write_table
 from studies.paper.cases import case_text, cases
 from studies.progress import Progress
 from studies.results.rows import read_rows
 from studies.scene.sections import SceneError
 from studies.scene.sweep import read_sweep
 from studies.scene.text import changed_text
-from studies.sweep import study as sweep_study
+from studies.sweep import farm, table
+from studies.sweep.designs import COUNT_KEY, ROOT_KEY, SWEEP_FILE, WALL_KEY
+from studies.sweep.farm import SweepOutcome, run_sweep
 from studies.sweep.rules import Point, Rule, across, one_factor, two_factors
-from studies.sweep.study import CHAINS, COUNT_KEY, ROOT_KEY, WALL_KEY, write_sweep_report
+from studies.sweep.study import STUDY
+from studies.sweep.table import CHAINS, SweepRow, read_table, write_table
 
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = Path(__file__).with_name("sweep_script.py")
@@ -202,7 +203,7 @@ def test_nothing_is_repeated_and_a_longer_sweep_solves_what_is_new(done, solved,
 
 
 def test_scenes_that_fail_or_stop_are_rows_with_their_reasons(done, monkeypatch, tmp_path) -> None:
-    run_plan, scene_rows = sweep.run_plan, sweep.bellows_rows
+    run_plan, scene_rows = farm.run_plan, table.bellows_rows
 
     def one_fails(scene, *rest):
         if (scene.geometry.root_radius_mm, scene.geometry.wall_mm) == (5.0, 1.0):
@@ -217,8 +218,8 @@ def test_scenes_that_fail_or_stop_are_rows_with_their_reasons(done, monkeypatch,
         at_5 = [(r.model, r.pressure_kpa) == ("axisymmetric", 5.0) for r in rows]
         return [dataclasses.replace(r, **why) if hit else r for r, hit in zip(rows, at_5, strict=True)]
 
-    monkeypatch.setattr(sweep, "run_plan", one_fails)
-    monkeypatch.setattr(sweep, "bellows_rows", one_stops)
+    monkeypatch.setattr(farm, "run_plan", one_fails)
+    monkeypatch.setattr(table, "bellows_rows", one_stops)
     out = tmp_path / "out"
     shutil.copytree(done.out, out)
     outcome = run(done.file, out)
@@ -335,11 +336,8 @@ def report(tmp_path_factory) -> SimpleNamespace:
             known["unfolding_kpa"] = 7.5
             rows.append(SweepRow(f"s{len(rows)}", values, pressure, "tip_mm", "mm", **known, **chains, **percents))
     write_table(folder / "sweep.csv", rows)
-    outcome = dataclasses.asdict(SweepOutcome(16, 4, 0, 0, 2, 12.0, 20.0))
-    stamp = {"commit": "abc", "when": "today", "machine": "one"}
-    (folder / "sweep.json").write_text(json.dumps(outcome | stamp), encoding="utf-8")
-    page = write_sweep_report(folder)
-    return SimpleNamespace(folder=folder, page=page, text=(folder / "report.md").read_text(encoding="utf-8"))
+    assert render(STUDY, folder, [Solved(SWEEP_FILE, SweepOutcome(16, 4, 0, 0, 2, 12.0, 20.0))]) == 0
+    return SimpleNamespace(folder=folder, text=(folder / "report.md").read_text(encoding="utf-8"))
 
 
 def test_report_says_where_the_closed_form_misleads(report) -> None:
@@ -355,17 +353,29 @@ def test_report_says_where_the_closed_form_misleads(report) -> None:
         assert f"| {name} | fully unfolded | 3 |" in report.text
 
 
+def test_rows_are_the_finite_elements_and_the_closed_forms_against_them(report) -> None:
+    rows = read_rows(report.folder / "rows.csv")
+    tips = [r for r in read_table(report.folder / "sweep.csv") if r.status == "reached"]
+    assert [r.value for r in rows if r.model == "axisymmetric" and r.status == "reached"] == [
+        r.axisymmetric for r in tips
+    ]
+    for chain in CHAINS:
+        found = [r.error_percent for r in rows if r.model == chain]
+        assert found == pytest.approx([r.percent(chain) for r in tips], abs=1e-6)
+    assert [r.status for r in rows if not r.value > 0.0] == ["refused: geometry: no room"] * 4
+
+
 def test_report_has_its_pictures_and_a_page_of_one_file(report) -> None:
     pictures = {path.name for path in (report.folder / "pictures").iterdir()}
     assert pictures == {"elongation.png", "closed-form.png", "closed-form-balanced.png", "closed-form-seat.png"}
     assert all(f"(pictures/{name})" in report.text for name in pictures)
-    page = report.page.read_text(encoding="utf-8")
+    page = (report.folder / "report.html").read_text(encoding="utf-8")
     assert page.count("data:image/png;base64,") == len(pictures)
     assert re.search(r"\bnan\b", report.text) is None
 
 
 def test_the_studys_sweep_is_what_the_report_is_about() -> None:
-    variants = read_sweep(sweep_study.SWEEP_FILE)
+    variants = read_sweep(SWEEP_FILE)
     assert all({ROOT_KEY, WALL_KEY, COUNT_KEY, "material"} == set(v.values) for v in variants)
     scenes = [v.scene for v in variants if v.scene is not None]
     assert {s.geometry.root_radius_mm for s in scenes} == {4.0, 5.0, 6.0, 7.0, 8.0, 9.0}

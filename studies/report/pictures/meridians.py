@@ -1,8 +1,7 @@
-"""Pictures of the vacuum study: contraction over vacuum, and contracted meridians."""
+"""Meridians of an axisymmetric run, unloaded and in some of its states, below each other to one scale."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -12,40 +11,14 @@ from matplotlib.patches import Rectangle
 from meshes.gaps import outlines
 from meshes.solid import FloatArray, SolidMesh
 from studies.planning.levels import fineness
-from studies.report.style import BESIDE, BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION, figure_file
+from studies.report.style import RIGID, figure_file
 from studies.results.files import load_state
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene, shape_of
 from studies.scene.meshes import scene_meridian
 
-_COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, BLACK)
-_MARKERS = ("o", "s", "^", "v", "D", "P")
-# Shapes in a picture: the unloaded one and so many of the asked ones, first and last among them.
+# Shapes in a picture: the unloaded one and so many of the requested ones, first and last among them.
 _SHAPES = 3
-
-
-def draw_contractions(path: Path, curves: Mapping[str, FloatArray]) -> None:
-    """Draw shortening in mm over vacuum in kPa.
-
-    Parameters
-    ----------
-    path
-        The PNG to write.
-    curves
-        By name: pressure, kPa, and tip, mm, of each state, shape (n, 2).
-    """
-    with figure_file(path, 8.2, 4.4) as figure:
-        axes = figure.add_subplot()
-        for place, (name, curve) in enumerate(curves.items()):
-            axes.plot(-curve[:, 0], -curve[:, 1], color=_COLOURS[place % 6], marker=_MARKERS[place % 6], markersize=3.5,
-                      linewidth=1.3, label=name)  # fmt: skip
-        axes.set_xscale("symlog", linthresh=0.1)
-        axes.set_xlim(left=0.0)
-        axes.set_ylim(bottom=0.0)
-        axes.set_xlabel("vacuum in the cavity, kPa (linear to 0.1, then logarithmic)")
-        axes.set_ylabel("shortening at the tip, mm")
-        axes.grid(color="#e4e4e4", zorder=0)
-        axes.legend(**BESIDE)
 
 
 def draw_shapes(path: Path, scene: BellowsScene, run: Run, folder: Path) -> None:
@@ -59,17 +32,13 @@ def draw_shapes(path: Path, scene: BellowsScene, run: Run, folder: Path) -> None
         The bellows, its axisymmetric run, and where its states are kept.
     """
     mesh, shape = scene_meridian(scene, fineness(run.summary.level)), shape_of(scene)
-    shown: list[tuple[str, FloatArray, FloatArray]] = [
-        ("unloaded", mesh.points, np.zeros(len(shape.crest_positions_mm)))
-    ]
-    asked = [p for p in scene.load.pressure_kpa if load_state(folder, run.summary.content_hash, 1e-3 * p) is not None]
-    for pressure in (
-        [asked[k] for k in sorted({round(k) for k in np.linspace(0, len(asked) - 1, _SHAPES)})] if asked else []
-    ):
-        saved = load_state(folder, run.summary.content_hash, 1e-3 * pressure)
-        assert saved is not None
-        shifts = saved[0].bodies_mm[:, 0] if len(saved[0].bodies_mm) else np.zeros(len(shape.crest_positions_mm))
-        shown.append((f"{pressure:g} kPa", mesh.points + saved[0].displacement_mm, shifts))
+    shown = [("unloaded", mesh.points, np.zeros(len(shape.crest_positions_mm)))]
+    states = [(p, load_state(folder, run.summary.content_hash, 1e-3 * p)) for p in scene.load.pressure_kpa]
+    kept = [(pressure, saved[0]) for pressure, saved in states if saved is not None]
+    for place in sorted({round(k) for k in np.linspace(0, len(kept) - 1, _SHAPES)}) if kept else ():
+        pressure, state = kept[place]
+        shifts = state.bodies_mm[:, 0] if len(state.bodies_mm) else shown[0][2]
+        shown.append((f"{pressure:g} kPa", mesh.points + state.displacement_mm, shifts))
     length = float(mesh.points[:, 1].max())
     radius = shape.seat_radius_mm + scene.rings.height_mm
     columns = 1 if length > 4.0 * radius else 2  # short bodies side by side
@@ -82,16 +51,7 @@ def draw_shapes(path: Path, scene: BellowsScene, run: Run, folder: Path) -> None
             if scene.rings.model == "rigid":
                 for centre in shape.crest_positions_mm + shifts[: len(shape.crest_positions_mm)]:
                     corner = (float(centre) - 0.5 * scene.rings.seat_mm, shape.seat_radius_mm)
-                    axes.add_patch(
-                        Rectangle(
-                            corner,
-                            scene.rings.seat_mm,
-                            scene.rings.height_mm,
-                            facecolor="#d8d8d8",
-                            edgecolor="#303030",
-                            linewidth=0.8,
-                        )
-                    )
+                    axes.add_patch(Rectangle(corner, scene.rings.seat_mm, scene.rings.height_mm, **RIGID))
             axes.set_title(label, loc="left", fontsize=9)
             axes.set_aspect("equal")
             axes.set_xlim(-1.0, length + 1.0)

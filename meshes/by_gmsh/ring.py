@@ -7,17 +7,14 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
 import sys
 from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from meshes import child
-from meshes.errors import GeometryError, MeshError
+from meshes.by_gmsh.child import run_gmsh
+from meshes.errors import GeometryError
 from meshes.solid import FloatArray, IntArray
-
-TIME_LIMIT_S = 120.0  # a ring section takes well under a second
 
 
 @dataclass(frozen=True)
@@ -68,21 +65,8 @@ def ring_triangles(ring: RingShape, seat_z: FloatArray, seat_radius_mm: float) -
             f"{ring.height_mm:g} mm and half the seat, {0.5 * width:g} mm"
         )
     request = {**asdict(ring), "seat_z": list(map(float, seat_z)), "seat_radius_mm": seat_radius_mm}
-    try:
-        done = subprocess.run(
-            [sys.executable, "-m", "meshes.ring"],
-            input=json.dumps(request),
-            capture_output=True,
-            text=True,
-            timeout=TIME_LIMIT_S,
-            env=child.environment(),
-            check=False,
-        )
-    except subprocess.TimeoutExpired:
-        raise MeshError(f"gmsh has not meshed the ring section within {TIME_LIMIT_S:g} s") from None
-    if done.returncode != 0:
-        raise MeshError(f"gmsh could not mesh the ring section (exit {done.returncode}): {done.stderr[-400:].strip()}")
-    answer = json.loads(done.stdout.splitlines()[-1])
+    printed = run_gmsh("meshes.by_gmsh.ring", "gmsh could not mesh the ring section", text=json.dumps(request))
+    answer = json.loads(printed.splitlines()[-1])
     return np.array(answer["points"]), np.array(answer["cells"], dtype=np.int64)
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import difflib
 import json
-import subprocess
 import sys
 import tempfile
 from functools import lru_cache
@@ -18,12 +17,11 @@ from typing import Any
 
 import numpy as np
 
-from meshes import child
+from meshes.by_gmsh.child import run_gmsh
 from meshes.errors import MeshError
 from meshes.quality import jacobians
 from meshes.solid import FACETS, REGIONS, FloatArray, IntArray, SolidMesh
 
-TIME_LIMIT_S = 300.0
 # What a physical surface (curve) may be called; bottom and top are planes that keep their height.
 SURFACES = ("cavity", "clamped", "outer", "tip", "axis", "bottom", "top", "symmetry_x", "symmetry_y", "symmetry_z")
 # Longest edge of the bounding box, mm: a 50 mm actuator in metres is below, one in micrometres above.
@@ -113,25 +111,11 @@ def _checked(path: Path, scale: float, stamp: int) -> SolidMesh:
 
 def _by_child(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     """Names and arrays that a child process reads with gmsh."""
-    root = str(Path(__file__).resolve().parents[1])
     with tempfile.TemporaryDirectory() as folder:
         answer = Path(folder) / "mesh.npz"
-        command = [sys.executable, "-m", "meshes.user_mesh", str(path), str(answer)]
-        try:
-            done = subprocess.run(
-                command,
-                capture_output=True,
-                text=True,
-                timeout=TIME_LIMIT_S,
-                env=child.environment(),
-                cwd=root,
-                check=False,
-            )
-        except subprocess.TimeoutExpired:
-            raise MeshError(f"{path}: gmsh has not read it within {TIME_LIMIT_S:g} s") from None
-        if done.returncode != 0 or not answer.exists():
-            said = (done.stderr or done.stdout).strip().splitlines()
-            raise MeshError(f"{path}: gmsh cannot read it (exit {done.returncode}): {said[-1] if said else 'silence'}")
+        run_gmsh("meshes.by_gmsh.user_mesh", f"{path}: gmsh cannot read it", str(path), str(answer))
+        if not answer.exists():
+            raise MeshError(f"{path}: gmsh cannot read it")
         with np.load(answer, allow_pickle=False) as data:
             arrays = dict(data)
     return json.loads(str(arrays.pop("head"))), arrays

@@ -1,0 +1,1 @@
+"""The study in miniature: two convolutions by every model."""

@@ -1,0 +1,50 @@
+"""The study in miniature: two convolutions by every model; its page is that of all reports of bellows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+from studies.engine import Page, Setting, Solved, Study
+from studies.models.session import run_plan
+from studies.planning.bellows import SECTOR_LEVELS, plan_bellows
+from studies.planning.error_model import ROUNDS, cells_of
+from studies.report.scene_page import report_of
+from studies.report.scene_report import SceneReport
+from studies.report.scenes import content
+from studies.results import provenance
+from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
+
+SCENE: Final = provenance.ROOT / "scenes" / "smoke-t2-ri5.toml"
+
+
+def cases(options: Mapping[str, Any]) -> list[BellowsScene]:
+    """The one scene."""
+    return [load_bellows(SCENE)]
+
+
+def solve(scene: BellowsScene, at: Setting) -> SceneReport:
+    """Every model, on the fewest cells round."""
+    plan = plan_bellows(scene, "full3d", ROUNDS[cells_of(scene)][:1], SECTOR_LEVELS[:1])
+    folder = at.out / scene.name
+    return report_of(run_plan(scene, SCENE.read_text(encoding="utf-8"), plan, folder, at.comm, at.progress), folder)
+
+
+def page(solved: Sequence[Solved[BellowsScene, SceneReport]], at: Setting) -> Page:
+    """What the models say of each bellows."""
+    reports = [done.result for done in solved]
+    rows = [row for report in reports for row in report.rows]
+    return Page(rows, content(at.out, reports), [f"{r.name}: {r.stopped}" for r in reports if r.stopped])
+
+
+STUDY: Final = Study(
+    name="smoke",
+    title="Two convolutions by every model",
+    question="Does all work, from the closed form to full 3D, in a minute?",
+    template="smoke/page.md.j2",
+    cases=cases,
+    solve=solve,
+    page=page,
+    share="all",
+)
