@@ -190,11 +190,6 @@ def limit_kpa(entry: Row) -> float:
 # --- runs -----------------------------------------------------------------------------------
 
 
-def finest(runs: Sequence[Run]) -> Run | None:
-    """The last of runs that are in order, coarsest first."""
-    return runs[-1] if runs else None
-
-
 def last_kpa(run: Run) -> float:
     """Highest pressure of a run's states, kPa; 0 if it has none."""
     return max((state.pressure_kpa for state in run.path), default=0.0)

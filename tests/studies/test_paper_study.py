@@ -9,7 +9,7 @@ from mpi4py import MPI
 
 from studies.engine import Setting
 from studies.paper import study
-from studies.paper.cases import Case, case_text, cases
+from studies.paper.cases import PARTS, Case, case_text, cases
 from studies.paper.results import read_results
 from studies.progress import Progress
 from studies.results.files import SUMMARY_FILE
@@ -60,6 +60,11 @@ def test_equal_content_is_run_once(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         assert row.scene == case.case.scene
         assert row.value > 0.0
         assert any(r.quantity == "root_stretch_outer" for r in case.rows)
+
+
+def test_parts_make_up_the_study() -> None:
+    assert study.cases({"part": tuple(PARTS)}) == cases()
+    assert [case.group for case in study.cases({"part": ("core",)})] == ["core"] * 4
 
 
 @pytest.mark.parametrize("case", cases(), ids=lambda case: case.name)
