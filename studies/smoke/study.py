@@ -27,8 +27,8 @@ def cases(options: Mapping[str, Any]) -> list[BellowsScene]:
 def solve(scene: BellowsScene, at: Setting) -> SceneReport:
     """Every model, on the fewest cells round."""
     plan = plan_bellows(scene, "full3d", ROUNDS[cells_of(scene)][:1], SECTOR_LEVELS[:1])
-    folder = at.out / scene.name
-    return report_of(run_plan(scene, SCENE.read_text(encoding="utf-8"), plan, folder, at.comm, at.progress), folder)
+    run_plan(scene, SCENE.read_text(encoding="utf-8"), plan, at.out / scene.name, at.comm, at.progress)
+    return report_of(at.out / scene.name)
 
 
 def page(solved: Sequence[Solved[BellowsScene, SceneReport]], at: Setting) -> Page:
