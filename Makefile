@@ -140,36 +140,36 @@ sweep: check ## run all scenes of SWEEP, a sweep file -> results/sweeps/NAME
 
 .PHONY: study-stability
 study-stability: check ## stress test: hundreds of cells, none may be a wrong answer -> results/stability
-	$(LAUNCH) -m studies stability --out results/stability
+	$(LAUNCH) -m studies study stability --out results/stability
 
 .PHONY: study-modes
 study-modes: check ## modes that break the symmetry: from which pressure on, in which shape -> results/modes
-	$(LAUNCH) -m studies modes --out results/modes
+	$(LAUNCH) -m studies study modes --out results/modes
 
 .PHONY: study-peers
 study-peers: check ## the same bellows in CalculiX, NGSolve, FElupe and the tutorial way; hours -> results/peers
 	$(PY) -m studies.peers.environment
-	$(PY) -m studies.peers.study --out results/peers
+	$(PY) -m studies study peers --out results/peers
 
 .PHONY: study-cost
 study-cost: check ## run time against error of every model, mesh and way of stepping -> results/cost
-	$(PY) -m studies.cost.study --out results/cost
+	$(PY) -m studies study cost --out results/cost
 
 .PHONY: study-error-model
 study-error-model: check ## fit what meshes leave of error and take of time; ten scenes to check it -> results/error-model
-	$(LAUNCH) -m studies.cost.error_fit --out results/error-model
+	$(LAUNCH) -m studies study error-model --out results/error-model
 
 .PHONY: study-branches
 study-branches: check ## paths whose volume turns back, branches beyond buckling, squirm of a blocked bellows -> results/branches
-	$(LAUNCH) -m studies.branches.study --out results/branches
+	$(LAUNCH) -m studies study branches --out results/branches
 
 .PHONY: study-imperfection
 study-imperfection: check ## actuators whose moulding core sat off the axis: bend, elongation; full 3D -> results/imperfection
-	$(LAUNCH) -m studies.imperfection.study --out results/imperfection
+	$(LAUNCH) -m studies study imperfection --out results/imperfection
 
 .PHONY: study-contact
 study-contact: check ## contact: exact problems, folds that touch, 1 mm actuators to 80 kPa -> results/contact
-	$(PY) -m studies.contact.study --out results/contact
+	$(PY) -m studies study contact --out results/contact
 
 .PHONY: study-vacuum
 study-vacuum: check ## scenes/vacuum: what bellows contract to, with contact of their folds -> results/vacuum
@@ -197,7 +197,7 @@ study-verification: check ## table of every exact and published problem -> resul
 
 .PHONY: study-large
 study-large: check ## direct and iterative linear algebra over size, 25 minutes at most -> results/large
-	$(PY) -m studies.large.study --out results/large --ranks $(NP)
+	$(PY) -m studies study large --out results/large --ranks $(NP)
 
 .PHONY: study-stacks
 study-stacks: check ## as root: the same rows on three stacks, and what each costs; 40 minutes -> results/stacks
@@ -207,23 +207,23 @@ study-stacks: check ## as root: the same rows on three stacks, and what each cos
 		packages/in_root.sh $$stack $(ROOTS) bash -c "make check && .venv/bin/python -m studies.stacks.figures --out $$out"; \
 		mkdir -p $$out; cp $(ROOTS)/$$stack/opt/bellowsx/$$out/{rows.csv,figures.json} $$out/; \
 	done
-	$(PY) -m studies.stacks.study $(STACKS:%=results/stacks/%) --out results/stacks
+	$(PY) -m studies study stacks $(STACKS:%=results/stacks/%) --out results/stacks
 
 .PHONY: study-closed-form
 study-closed-form: check ## chains, corrections, validity, laws and exact solutions -> results/closed-form
-	$(PY) -m studies closed-form --out results/closed-form
+	$(PY) -m studies study closed-form --out results/closed-form
 
 .PHONY: benchmark-closed-form
 benchmark-closed-form: check ## evaluations of the closed form per second, one core -> results/benchmark-closed-form
-	OPENBLAS_NUM_THREADS=1 $(PY) -m studies benchmark-closed-form --out results/benchmark-closed-form
+	OPENBLAS_NUM_THREADS=1 $(PY) -m studies study benchmark-closed-form --out results/benchmark-closed-form
 
 .PHONY: benchmark-solver
 benchmark-solver: check ## cost of tangent, factor, iteration, warm and cold start; NP ranks -> results/benchmark-solver
-	$(LAUNCH) -m studies benchmark-solver --out results/benchmark-solver
+	$(LAUNCH) -m studies study benchmark-solver --out results/benchmark-solver
 
 .PHONY: study-dimensions
 study-dimensions: check ## what fits the unprinted dimensions, which three sets are used -> results/dimensions
-	$(PY) -m studies dimensions --out results/dimensions
+	$(PY) -m studies study dimensions --out results/dimensions
 
 .PHONY: example
 example: ## keep the reports of EXAMPLES (default: all) from results in docs; field files stay out of git

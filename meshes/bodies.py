@@ -47,7 +47,7 @@ def tube_meridian(
     z = length_mm * np.linspace(0.0, 1.0, 2 * along + 1)
     r = np.linspace(inner_mm, outer_mm, 2 * through + 1)
     lattice = np.stack([np.broadcast_to(r, (len(z), len(r))), np.broadcast_to(z[:, None], (len(z), len(r)))], axis=-1)
-    return _lattice_meridian(lattice, ("cavity", "outer", "bottom", "top"), cells)
+    return lattice_meridian(lattice, ("cavity", "outer", "bottom", "top"), cells)
 
 
 def sphere_meridian(
@@ -75,7 +75,7 @@ def sphere_meridian(
     lattice = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=-1)
     lattice[-1, :, 0] = 0.0
     lattice[0, :, 1] = 0.0
-    return _lattice_meridian(lattice, ("cavity", "outer", "bottom", "axis"), cells)
+    return lattice_meridian(lattice, ("cavity", "outer", "bottom", "axis"), cells)
 
 
 def cylinder_meridian(
@@ -102,7 +102,7 @@ def cylinder_meridian(
     r = radius_mm * np.linspace(1.0, 0.0, 2 * inwards + 1)[:, None]
     z = length_mm * np.linspace(0.0, 1.0, 2 * along + 1)
     lattice = np.stack(np.broadcast_arrays(r, z), axis=-1)
-    return _lattice_meridian(lattice, ("bottom", "top", "outer", "axis"), cells)
+    return lattice_meridian(lattice, ("bottom", "top", "outer", "axis"), cells)
 
 
 def ventricle_meridian(
@@ -145,10 +145,10 @@ def ventricle_meridian(
     lattice = np.stack([across * np.cos(angle), up * np.sin(angle)], axis=-1)
     lattice[-1, :, 0] = 0.0
     lattice[0, :, 1] = -base_mm
-    return _lattice_meridian(lattice, ("cavity", "outer", "clamped", "axis"), cells)
+    return lattice_meridian(lattice, ("cavity", "outer", "clamped", "axis"), cells)
 
 
-def _lattice_meridian(lattice: FloatArray, sides: tuple[str, str, str, str], cells: CellKind) -> SolidMesh:
+def lattice_meridian(lattice: FloatArray, sides: tuple[str, str, str, str], cells: CellKind) -> SolidMesh:
     """Mesh a lattice of nodes, shape (2 a + 1, 2 b + 1, 2); sides: second index low, high, first index low, high."""
     stations, layers, _ = lattice.shape
     points = lattice.reshape(-1, 2)
@@ -254,3 +254,17 @@ def cook_membrane(cells: int, thickness_mm: float = 1.0) -> SolidMesh:
     points = np.column_stack([48.0 * x, low + y * (high - low), thickness_mm * z])
     corner = int(np.argmin(np.abs(mesh.points - [1.0, 1.0, 0.0]).sum(axis=1)))
     return replace(mesh, points=points, facet_tags=tags, tip_centre_node=corner)
+
+
+def joined(one: SolidMesh, other: SolidMesh) -> SolidMesh:
+    """Two meshes of the same cells as one; they share no node, wherever they are. The tip is that of the first."""
+    shift = len(one.points)
+    return replace(
+        one,
+        points=np.vstack([one.points, other.points]),
+        cells=np.vstack([one.cells, other.cells + shift]),
+        regions=np.concatenate([one.regions, other.regions]),
+        facets=np.vstack([one.facets, other.facets + shift]),
+        facet_tags=np.concatenate([one.facet_tags, other.facet_tags]),
+        facet_bodies=np.concatenate([one.facet_bodies, other.facet_bodies]),
+    )

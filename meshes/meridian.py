@@ -21,10 +21,10 @@ from meshes.bellows import (
     corner_band,
     wall_segments,
 )
+from meshes.by_gmsh.ring import RingShape, ring_triangles
 from meshes.cells import QUADRILATERAL_NODES, CellKind
 from meshes.errors import GeometryError
 from meshes.quality import jacobians
-from meshes.ring import RingShape, ring_triangles
 from meshes.solid import FACETS, REGIONS, TRIANGLE_EDGES, IntArray, SolidMesh
 
 

@@ -33,11 +33,25 @@ ROWS_FILE = "rows.csv"
 
 # Studies in the order of a reader's questions, and the module that has each as STUDY.
 STUDIES: Mapping[str, str] = {
-    "vacuum": "studies.vacuum.study",
+    "smoke": "studies.smoke.study",
+    "closed-form": "studies.closed_form.study",
+    "dimensions": "studies.dimensions.study",
     "sweep": "studies.sweep.study",
     "exact": "studies.verification.exact",
     "verification": "studies.verification.study",
-    "smoke": "studies.smoke.study",
+    "stability": "studies.stability.study",
+    "modes": "studies.modes.study",
+    "branches": "studies.branches.study",
+    "imperfection": "studies.imperfection.study",
+    "contact": "studies.contact.study",
+    "vacuum": "studies.vacuum.study",
+    "cost": "studies.cost.study",
+    "peers": "studies.peers.study",
+    "error-model": "studies.cost.error_model.study",
+    "large": "studies.large.study",
+    "stacks": "studies.stacks.study",
+    "benchmark-closed-form": "studies.closed_form.speed",
+    "benchmark-solver": "studies.cost.solver_benchmark",
 }
 
 
@@ -110,6 +124,8 @@ class Page:
         What it must show; the exit code is 3 if one is not met.
     tables
         Other files of rows by name, such as crossings.csv.
+    headlines
+        What the terminal is told, a line each.
     """
 
     rows: Sequence[Row]
@@ -117,6 +133,7 @@ class Page:
     stopped: Sequence[str] = ()
     bars: Sequence[Bar] = ()
     tables: Mapping[str, Sequence[Row]] = field(default_factory=dict)
+    headlines: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -242,6 +259,8 @@ def solve_cases(
 
 def farm(items: Sequence[Item], comm: MPI.Comm, work: Callable[[Item], Done]) -> list[Done]:
     """Share items out over ranks, one rank each; what came out, in their order, on every rank."""
+    if comm.size == 1:
+        return [work(item) for item in items]
     mine = {k: work(items[k]) for k in range(comm.rank, len(items), comm.size)}
     every = {k: done for part in comm.allgather(mine) for k, done in part.items()}
     return [every[k] for k in range(len(items))]
@@ -249,6 +268,8 @@ def farm(items: Sequence[Item], comm: MPI.Comm, work: Callable[[Item], Done]) ->
 
 def first(comm: MPI.Comm, work: Callable[[], Done]) -> Done:
     """What rank 0 finds, on every rank; the others leave it their cores. An error is raised on every rank."""
+    if comm.size == 1:
+        return work()
     answer: tuple[Done | None, Exception | None] = (None, None)
     if comm.rank == 0:
         try:
@@ -289,7 +310,7 @@ def _write(
     report = write_page(setting.out, study.template, {**facts, **page.content})
     for line in [*stopped, *(f"not met: {bar.wanted}: {bar.found}" for bar in missed)]:
         click.echo(line, err=True)
-    click.echo(f"report: {report}")
+    click.echo("\n".join([*page.headlines, f"report: {report}"]))
     return STOPPED if stopped or missed else REACHED
 
 

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
+import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from meshes import child
+from meshes.by_gmsh import child
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -58,6 +62,26 @@ class Ended:
     cpu_s: float
     others_s: float
 
+    @property
+    def said(self) -> dict[str, Any] | None:
+        """The last line of its output that is a JSON object."""
+        for line in reversed(self.out.splitlines()):
+            with contextlib.suppress(ValueError):
+                if line.startswith("{"):
+                    return dict(json.loads(line))
+        return None
+
+    @property
+    def last_line(self) -> str:
+        """The last line of what it complained of, or else of its output."""
+        lines = [line for line in (self.error or self.out).splitlines() if line.strip()]
+        return lines[-1] if lines else ""
+
+
+def until(unit_s: float) -> Callable[[object, object, float], float]:
+    """Callback of an option that says how long new children are started: until when, by `time.monotonic`."""
+    return lambda context, parameter, length: time.monotonic() + unit_s * length
+
 
 def busy_s() -> float:
     """CPU seconds that this machine has been busy since its start, those taken by its host included (Linux).
@@ -70,19 +94,35 @@ def busy_s() -> float:
 
 
 def run(command: Sequence[str], environment: dict[str, str], limit_s: float) -> Ended:
-    """Run a command to its end, or to the limit; CPU time is that of all processes it has waited for."""
+    """Run a command with all its children to its end, or to the limit, which is exit code -1.
+
+    CPU time is that of all processes it has waited for. Nothing is left running, also if this process is interrupted
+    or terminated.
+    """
+    previous = signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as error:
         before, busy, begin = os.times(), busy_s(), time.perf_counter()
-        process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=out, stderr=error)
+        process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=out, stderr=error, start_new_session=True)
         try:
             code = process.wait(limit_s)
         except subprocess.TimeoutExpired:
-            process.terminate()  # mpirun ends its ranks
-            process.wait(60.0)
             code = -1
+        finally:
+            _end(process)
+            signal.signal(signal.SIGTERM, previous)
         wall, after = time.perf_counter() - begin, os.times()
         cpu = after.children_user + after.children_system - before.children_user - before.children_system
         others = max(0.0, busy_s() - busy - cpu)
         out.seek(0)
         error.seek(0)
         return Ended(code, out.read(), error.read(), wall, cpu, others)
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End what is left of a process and its children; mpirun ends its ranks."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGTERM)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(10.0)
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()

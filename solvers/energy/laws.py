@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import singledispatch
 from typing import Any
 
 import numpy as np
@@ -42,8 +43,9 @@ class CompiledLaw:
     invariant_limits: tuple[float, float]
 
 
+@singledispatch
 def compile_law(law: Law, mesh: Any) -> CompiledLaw:
-    """Bind a material law to a mesh.
+    """Bind a material law to a mesh; a new law registers what does it (docs/architecture.md).
 
     Parameters
     ----------
@@ -64,18 +66,20 @@ def compile_law(law: Law, mesh: Any) -> CompiledLaw:
     SolverError
         For a law this solver does not know.
     """
-    if isinstance(law, NeoHooke):
-        return _yeoh((0.5 * law.mu_mpa,), mesh)
-    if isinstance(law, Yeoh):
-        return _yeoh(tuple(law.c_mpa), mesh)
-    if isinstance(law, Ogden):
-        return _ogden(law, mesh)
-    if isinstance(law, Guccione):
-        return _guccione(law, mesh)
     raise SolverError(f"no finite-element form for the law {type(law).__name__}; use NeoHooke, Yeoh, Ogden or Guccione")
 
 
-def _yeoh(coefficients: tuple[float, ...], mesh: Any) -> CompiledLaw:
+@compile_law.register
+def _(law: NeoHooke, mesh: Any) -> CompiledLaw:
+    return _polynomial((0.5 * law.mu_mpa,), mesh)
+
+
+@compile_law.register
+def _(law: Yeoh, mesh: Any) -> CompiledLaw:
+    return _polynomial(tuple(law.c_mpa), mesh)
+
+
+def _polynomial(coefficients: tuple[float, ...], mesh: Any) -> CompiledLaw:
     c = fem.Constant(mesh, np.asarray(coefficients, dtype=np.float64))
 
     def derivatives(i1: Any, i2: Any) -> Derivatives:
@@ -91,7 +95,8 @@ def _yeoh(coefficients: tuple[float, ...], mesh: Any) -> CompiledLaw:
     return CompiledLaw(derivatives, False, (np.inf, np.inf))
 
 
-def _ogden(law: Ogden, mesh: Any) -> CompiledLaw:
+@compile_law.register
+def _(law: Ogden, mesh: Any) -> CompiledLaw:
     shape = power_trace(law.alpha)
     prefactor = fem.Constant(mesh, float(law.prefactor_mpa))
     constant = fem.Constant(mesh, float(shape.constant))
@@ -107,7 +112,8 @@ def _ogden(law: Ogden, mesh: Any) -> CompiledLaw:
     return CompiledLaw(derivatives, True, (high, 1.0 / low))
 
 
-def _guccione(law: Guccione, mesh: Any) -> CompiledLaw:
+@compile_law.register
+def _(law: Guccione, mesh: Any) -> CompiledLaw:
     """``W = C/2 (exp(Q) - 1)``, ``Q = b E:E = b/4 (I1^2 - 2 I2 - 2 I1 + 3)``, of the isochoric part of the strain."""
     c, b = fem.Constant(mesh, float(law.c_mpa)), fem.Constant(mesh, float(law.b))
 

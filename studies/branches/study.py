@@ -1,224 +1,189 @@
-"""The branch study: paths whose volume turns back, and branches beyond buckling.
-
-``python -m studies.branches.study --out results/branches`` solves the cases that are not there yet and writes rows,
-curves and the report. A case is kept under a hash of all that decides its numbers, so a second study only draws.
-"""
+"""The branch study: paths whose volume turns back, and branches beyond buckling, beside what is known of them."""
 
 from __future__ import annotations
 
 import dataclasses
-import hashlib
-import json
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import asdict
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
 import click
+import numpy as np
 from mpi4py import MPI
 
-from studies.branches.cases import CASES, ON_ALL_RANKS, SOURCES, CaseResult, Fact, Point
+from studies.branches import exact, squirm
+from studies.branches.findings import Findings, Point
+from studies.engine import Page, Setting, Solved, Study, first
 from studies.report.numbers import count, duration, number_text
-from studies.report.pages import write_page
-from studies.report.panels import Panel, Series, draw_panels
-from studies.report.style import BLACK, BLUE, INSIDE, ORANGE, VERMILION
-from studies.report.tables import Table, facts_table, table_of
+from studies.report.style import BLACK, BLUE, ORANGE, VERMILION, figure_file
+from studies.report.tables import Table, table_of
 from studies.results import provenance
-from studies.results.files import write_text_atomically
-from studies.results.rows import Row, row, write_rows
+from studies.results.kept import content_key, keep, read_kept
+from studies.results.rows import Row, row
 
-TITLE: Final = "Beyond limit points and bifurcations: paths by arc length, branches, a bellows that squirms"
-CASES_FOLDER: Final = "cases"
 COLOURS: Final = (BLUE, VERMILION, ORANGE)
-# What a case is drawn over, and its ordinate.
-AXES: Final[dict[str, tuple[str, str]]] = {
-    "two-spheres": ("volume of both, mm³", "pressure, kPa"),
-    "cube": ("stretch", "tension, kPa"),
-    "ring": ("outward move of the long axis, of the radius", "outside pressure, kPa"),
-    "blocked-bellows": ("pressure, kPa", "force on the blocked tip, N"),
-}
+# Files beside the solver that decide numbers.
+SOURCES: Final = (*(Path(__file__).with_name(name) for name in ("exact.py", "findings.py", "squirm.py")), squirm.SCENE)
 
 
-def case_hash(name: str) -> str:
-    """Hash of all that decides a case's numbers."""
-    parts = [path.read_bytes() for path in SOURCES]
-    text = json.dumps([name, provenance.code_hash(), hashlib.sha256(b"".join(parts)).hexdigest()])
-    return hashlib.sha256(text.encode()).hexdigest()[:24]
+@dataclass(frozen=True)
+class Case:
+    """A case.
+
+    Attributes
+    ----------
+    name, solve
+        What it is called, and what comes out on some ranks.
+    axes
+        What is drawn over what: labels of both axes, abscissa first.
+    drawn
+        Both numbers of a point.
+    on_all_ranks
+        True if all ranks share it; else rank 0 solves it.
+    """
+
+    name: str
+    solve: Callable[[MPI.Comm], Findings]
+    axes: tuple[str, str]
+    drawn: Callable[[Point], tuple[float, float]] = lambda p: (p.move, p.load_kpa)
+    on_all_ranks: bool = False
 
 
-def read_case(folder: Path, name: str) -> tuple[CaseResult, dict[str, str]] | None:
-    """A case and its stamp, if it is there, whole and of this content."""
-    try:
-        data: dict[str, Any] = json.loads((folder / CASES_FOLDER / f"{name}.json").read_text(encoding="utf-8"))
-        if data["content_hash"] != case_hash(name):
-            return None
-        kept = data["case"]
-        points = tuple(Point(**_numbers(p)) for p in kept["points"])
-        facts = tuple(Fact(**_numbers(f)) for f in kept["facts"])
-        return CaseResult(kept["name"], points, facts, kept["unknowns"], kept["seconds"]), data["stamp"]
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
+CASES: Final = (
+    Case(
+        "two-spheres",
+        exact.two_spheres,
+        ("volume of both, mm³", "pressure, kPa"),
+        drawn=lambda p: (p.volume_mm3, p.load_kpa),
+    ),
+    Case("cube", exact.rivlin_cube, ("stretch", "tension, kPa")),
+    Case("ring", exact.thin_ring, ("outward move of the long axis, of the radius", "outside pressure, kPa")),
+    Case(
+        squirm.NAME,
+        squirm.blocked_bellows,
+        ("pressure, kPa", "force on the blocked tip, N"),
+        drawn=lambda p: (p.load_kpa, p.force_n),
+        on_all_ranks=True,
+    ),
+)
 
 
-def _numbers(entry: dict[str, Any]) -> dict[str, Any]:
-    return {key: math.nan if value is None else value for key, value in entry.items()}
+def cases(options: Mapping[str, Any]) -> list[Case]:
+    """The cases that are asked for, or all."""
+    return [case for case in CASES if case.name in options["case"] or not options["case"]]
 
 
-def _write_case(folder: Path, result: CaseResult, stamp: dict[str, str]) -> None:
-    kept = asdict(result)
-    for part in ("points", "facts"):
-        kept[part] = [
-            {k: None if isinstance(v, float) and math.isnan(v) else v for k, v in entry.items()} for entry in kept[part]
-        ]
-    data = {"content_hash": case_hash(result.name), "stamp": stamp, "case": kept}
-    (folder / CASES_FOLDER).mkdir(parents=True, exist_ok=True)
-    write_text_atomically(folder / CASES_FOLDER / f"{result.name}.json", json.dumps(data, indent=1) + "\n")
+def solve(case: Case, at: Setting) -> Findings:
+    """What is kept of a case, or comes out of it; every rank calls."""
+    file = at.out / "cases" / f"{case.name}.json"
+    key = content_key(case.name, provenance.code_hash(), sources=SOURCES)
+    found = first(at.comm, lambda: read_kept(file, key, Findings))
+    if found is None:
+        begin = time.perf_counter()
+        found = case.solve(at.comm) if case.on_all_ranks else first(at.comm, lambda: case.solve(MPI.COMM_SELF))
+        found = dataclasses.replace(found, seconds=time.perf_counter() - begin)
+        if at.comm.rank == 0:
+            keep(file, key, found)
+    return found
 
 
-def run_study(folder: Path, comm: MPI.Comm, names: Sequence[str]) -> list[tuple[CaseResult, dict[str, str]]]:
-    """Solve what is missing; every rank calls, rank 0 gets the results."""
-    out = []
-    for name in names:
-        found = comm.bcast(read_case(folder, name) if comm.rank == 0 else None)
-        if found is None:
-            result = None
-            if comm.rank == 0 or name in ON_ALL_RANKS:
-                result = CASES[name](comm)
-            if comm.rank == 0 and result is not None:
-                stamp = {"commit": provenance.commit(), "date": provenance.now(), "ranks": str(comm.size)}
-                _write_case(folder, result, stamp)
-                found = result, stamp
-        if found is not None:
-            out.append(found)
-    return out
-
-
-# --- rows and report ------------------------------------------------------------------------
-
-
-def rows_of(result: CaseResult) -> list[Row]:
-    """Rows of a case: its facts, and each state whose load is known exactly."""
-    rows = [
-        row(result.name, f.quantity, f.unit, math.nan, "fem", f.value, reference=f.reference, source=f.source)
-        for f in result.facts
-    ]
-    for p in result.points:
-        exact = not math.isnan(p.exact_kpa)
-        rows.append(
-            row(result.name, "load_kpa", "kPa", p.load_kpa, "fem", p.load_kpa, p.branch, reference=p.exact_kpa,
-                source=f"exact at {p.move:.6g}" if exact else "")
-        )  # fmt: skip
-        rows.append(row(result.name, "unstable_modes", "", p.load_kpa, "fem", float(p.unstable), p.branch))
+def rows_of(name: str, found: Findings) -> list[Row]:
+    """Rows of a case: its numbers, and each state beside the exact load where that is known."""
+    rows = list(found.facts)
+    for branch, p in ((branch, p) for branch, points in found.branches.items() for p in points):
+        at = partial(row, name, pressure_kpa=p.load_kpa, model="fem", level=branch)
+        source = "" if math.isnan(p.exact_kpa) else f"exact at {p.move:.6g}"
+        rows.append(at("load_kpa", "kPa", value=p.load_kpa, reference=p.exact_kpa, source=source))
+        rows.append(at("unstable_modes", "", value=float(p.unstable)))
         if not math.isnan(p.force_n):
-            rows.append(row(result.name, "tip_force_n", "N", p.load_kpa, "fem", p.force_n, p.branch))
-            rows.append(row(result.name, "sideways_mm", "mm", p.load_kpa, "fem", p.move, p.branch))
+            rows.append(at("tip_force_n", "N", value=p.force_n))
+            rows.append(at("sideways_mm", "mm", value=p.move))
     return rows
 
 
-def _branches(result: CaseResult) -> dict[str, list[Point]]:
-    out: dict[str, list[Point]] = {}
-    for point in result.points:
-        out.setdefault(point.branch, []).append(point)
-    return out
+def branch_table(branches: Mapping[str, Sequence[Point]]) -> Table:
+    """A line per path or branch."""
 
+    def off(points: Sequence[Point]) -> float:
+        known = [p for p in points if not math.isnan(p.exact_kpa)]
+        return max((abs(100.0 * (p.load_kpa / p.exact_kpa - 1.0)) for p in known), default=math.nan)
 
-def _branch_table(result: CaseResult) -> Table:
-    lines = []
-    for name, points in _branches(result).items():
-        errors = [abs(100.0 * (p.load_kpa / p.exact_kpa - 1.0)) for p in points if not math.isnan(p.exact_kpa)]
-        lines.append(
-            (
-                name,
-                str(len(points)),
-                f"{min(p.load_kpa for p in points):.5g} to {max(p.load_kpa for p in points):.5g}",
-                f"{max(errors):.2g}" if errors else "–",
-                " ".join(dict.fromkeys(str(p.unstable) for p in points)),
-                " ".join(dict.fromkeys(str(p.unstable_at_volume) for p in points)),
-                ", ".join(dict.fromkeys(p.control for p in points)),
-            )
-        )
-    header = (
-        "path or branch", "states", "load, kPa", "off exact, % at most", "unstable modes on the way",
-        "at held volume", "control",
-    )  # fmt: skip
-    return Table(header, tuple(lines), left=(0, 4, 5, 6))
-
-
-def _fact_table(result: CaseResult) -> Table:
-    columns: dict[str, Callable[[Fact], str]] = {
-        "what": lambda f: f.quantity,
-        "unit": lambda f: f.unit,
-        "found": lambda f: f"{f.value:.6g}",
-        "reference": lambda f: number_text(f.reference, ".6g"),
-        "source": lambda f: f.source,
-        "off, %": lambda f: number_text(100.0 * (f.value / (f.reference or math.nan) - 1.0), "+.4f"),
+    columns: dict[str, Callable[[tuple[str, Sequence[Point]]], str]] = {
+        "path or branch": lambda b: b[0],
+        "states": lambda b: str(len(b[1])),
+        "load, kPa": lambda b: f"{min(p.load_kpa for p in b[1]):.5g} to {max(p.load_kpa for p in b[1]):.5g}",
+        "off exact, % at most": lambda b: number_text(off(b[1]), ".2g"),
+        "unstable modes on the way": lambda b: " ".join(dict.fromkeys(str(p.unstable) for p in b[1])),
+        "at held volume": lambda b: " ".join(dict.fromkeys(str(p.unstable_at_volume) for p in b[1])),
+        "control": lambda b: ", ".join(dict.fromkeys(p.control for p in b[1])),
     }
-    return table_of(result.facts, columns, left=(0, 1, 4))
+    return table_of(branches.items(), columns, left=(0, 4, 5, 6))
 
 
-def _draw(path: Path, result: CaseResult) -> None:
-    """Draw the branches of a case: filled where they are stable, with what is known exactly."""
-    series = []
-    for colour, (name, points) in zip(COLOURS, _branches(result).items(), strict=False):
-        x, y = _drawn(result.name, points)
-        series.append(Series(x, y, {"color": colour, "linewidth": 1.0}, name))
-        for stable, fill in ((True, colour), (False, "white")):
-            at = [k for k, p in enumerate(points) if (p.unstable == 0) == stable]
-            look = {"color": colour, "linestyle": "none", "marker": "o", "markersize": 4, "markerfacecolor": fill}
-            series.append(Series([x[k] for k in at], [y[k] for k in at], look))
-        exact = [p.exact_kpa for p in points]
-        if not all(map(math.isnan, exact)) and result.name != "blocked-bellows":
-            series.append(Series(x, exact, {"color": BLACK, "linestyle": "none", "marker": "+", "markersize": 6}))
-    draw_panels(path, [[Panel(series, *AXES[result.name])]], (5.6, 3.8), {**INSIDE, "fontsize": 8})
-
-
-def _drawn(name: str, points: Sequence[Point]) -> tuple[list[float], list[float]]:
-    """What is drawn of a case."""
-    if name == "blocked-bellows":
-        return [p.load_kpa for p in points], [p.force_n for p in points]
-    move = [p.volume_mm3 if name == "two-spheres" else p.move for p in points]
-    return move, [p.load_kpa for p in points]
-
-
-def write_report(folder: Path, found: Sequence[tuple[CaseResult, dict[str, str]]]) -> Path:
-    """Write rows.csv, pictures and report; one rank calls. Returns report.html."""
-    write_rows(folder / "rows.csv", [r for result, _ in found for r in rows_of(result)])
-    for result, _ in found:
-        _draw(folder / "pictures" / f"{result.name}.png", result)
-    stamps = {
-        "commit": ", ".join(dict.fromkeys(stamp["commit"] for _, stamp in found)),
-        "date": found[-1][1]["date"],
-        "machine": provenance.machine(),
-        **provenance.versions(),
+def fact_table(facts: Sequence[Row]) -> Table:
+    """Numbers of a case beside their references."""
+    columns: dict[str, Callable[[Row], str]] = {
+        "what": lambda r: r.quantity,
+        "unit": lambda r: r.unit,
+        "found": lambda r: f"{r.value:.6g}",
+        "reference": lambda r: number_text(r.reference, ".6g"),
+        "source": lambda r: r.source,
+        "off, %": lambda r: number_text(r.error_percent, "+.4f"),
     }
-    content = {
-        "title": TITLE,
-        "cases": {
-            result.name: {
-                "picture": f"pictures/{result.name}.png",
-                "branches": _branch_table(result),
-                "facts": _fact_table(result),
-                "unknowns": count(result.unknowns),
-                "seconds": duration(result.seconds),
-            }
-            for result, _ in found
-        },
-        "provenance": facts_table(stamps),
-    }
-    return write_page(folder, "branches.md.j2", content)
+    return table_of(facts, columns, left=(0, 1, 4))
 
 
-@click.command()
-@click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder for cases and report.")
-@click.option("--case", "names", multiple=True, type=click.Choice(list(CASES)), help="Only these; default all.")
-def main(out: Path, names: tuple[str, ...]) -> None:
-    """Follow paths through limit points and onto branches, beside what is known of them; writes rows and report."""
-    comm = MPI.COMM_WORLD
-    found = run_study(out, comm, names or tuple(CASES))
-    if comm.rank == 0:
-        click.echo(f"report: {write_report(out, [(dataclasses.replace(r), s) for r, s in found])}")
+def draw(path: Path, case: Case, branches: Mapping[str, Sequence[Point]]) -> None:
+    """Draw the branches of a case, stable states filled, and crosses for exact loads."""
+    with figure_file(path, 5.6, 3.8) as figure:
+        axes = figure.subplots()
+        for colour, (name, points) in zip(COLOURS, branches.items(), strict=False):
+            at, stable = np.array([case.drawn(p) for p in points]), np.array([p.unstable == 0 for p in points])
+            axes.plot(*at.T, "-", color=colour, linewidth=1.0, label=name)
+            axes.plot(*at[stable].T, "o", color=colour, markersize=4)
+            axes.plot(*at[~stable].T, "o", color=colour, markerfacecolor="white", markersize=4)
+            axes.plot(at[:, 0], [p.exact_kpa for p in points], "+", color=BLACK, markersize=6)
+        axes.set_xlabel(case.axes[0])
+        axes.set_ylabel(case.axes[1])
+        axes.legend(frameon=False, fontsize=8)
 
 
-if __name__ == "__main__":
-    main()
+def page(solved: Sequence[Solved[Case, Findings]], at: Setting) -> Page:
+    """A section with a picture and two tables per case."""
+    rows, sections = [], {}
+    for case, found in ((done.case, done.result) for done in solved):
+        rows += rows_of(case.name, found)
+        picture = f"pictures/{case.name}.png"
+        draw(at.out / picture, case, found.branches)
+        sections[case.name] = {
+            "picture": picture,
+            "branches": branch_table(found.branches),
+            "facts": fact_table(found.facts),
+            "unknowns": count(found.unknowns),
+            "seconds": duration(found.seconds),
+        }
+    return Page(rows, {"sections": sections})
+
+
+STUDY: Final = Study(
+    name="branches",
+    title="Beyond limit points and bifurcations: paths by arc length, branches, a bellows that squirms",
+    question="Are paths beyond limit points and branches beyond buckling those that are known exactly?",
+    template="branches/page.md.j2",
+    cases=cases,
+    solve=solve,
+    page=page,
+    share="all",
+    options=(
+        click.Option(
+            ["--case"],
+            multiple=True,
+            type=click.Choice([case.name for case in CASES]),
+            help="Only these; default all.",
+        ),
+    ),
+)

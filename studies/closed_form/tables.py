@@ -1,392 +1,187 @@
-"""Tables, rows and sentences of the closed-form study: chains, corrections, inverse and held tip.
-
-Lengths are in mm, pressures in kPa, forces in N; the paper's own elongations in cm become mm.
-"""
+"""Tables of the closed-form study, most of them its rows spread out; lengths in mm, pressures in kPa, forces in N."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
+import itertools
+from collections.abc import Callable, Iterable, Sequence
 from typing import Final
 
-import numpy as np
-
-from analytical.arrays import FloatArray
-from analytical.bellows.chains import ClosedFormPath, closed_form, validity_warnings
-from analytical.bellows.corrections import CORRECTIONS, Correction, effect_cm
-from analytical.bellows.loads import held_tip, pressure_at_elongation_kpa
-from analytical.bellows.paper import PRINTED_PRESSURE_KPA, PaperActuator, Silicone
-from analytical.bellows.reading import BALANCED, CORRECTED, PRINTED_READING, Reading
-from analytical.laws.isotropic import OGDEN_CONVENTIONS
-from analytical.laws.silicones import (
-    DRAGON_SKIN_10_ELONGATION_AT_BREAK_PERCENT,
-    DRAGON_SKIN_30_ELONGATION_AT_BREAK_PERCENT,
-    dragon_skin_30,
-)
+from analytical.bellows.chains import closed_form
+from analytical.bellows.corrections import CORRECTIONS, Correction
+from analytical.bellows.paper import PRINTED_PRESSURE_KPA, PaperActuator
+from analytical.laws.isotropic import OGDEN_CONVENTIONS, OgdenConvention
+from analytical.laws.silicones import dragon_skin_30
+from studies.closed_form.chains import CHAINS, CUTS, PRESSURES_KPA, SHORT, SILICONES
+from studies.closed_form.effects import EFFECTS
+from studies.closed_form.rows import CHANGE, CORRECTION, LOADED, OUTPUTS, SHARES, share_text
 from studies.report.labels import TIP, model_label
-from studies.report.numbers import MISSING, signed
-from studies.report.tables import Table
-from studies.results.rows import Row, difference_percent, row
+from studies.report.numbers import MISSING, signed, typeset
+from studies.report.tables import Column, Table, pivot, pressure_of, table_of
+from studies.results.rows import Row
 
-PRESSURES_KPA: Final = (5.0, 10.0, 15.0, 20.0)
-# By model: how its chain reads the equations.
-CHAINS: Final[dict[str, Reading]] = {
-    "closed_form_printed": PRINTED_READING,
-    "closed_form": CORRECTED,
-    "closed_form_balanced": BALANCED,
-}
-# The same chains in tables that have no room.
-_SHORT: Final = {"closed_form_printed": "printed", "closed_form": "corrected", "closed_form_balanced": "balanced"}
-# The balanced chain at its cuts; the first is the chain itself.
-CUTS: Final[dict[str, Reading]] = {
-    "mean": BALANCED,
-    "crest": replace(BALANCED, cut="crest"),
-    "root": replace(BALANCED, cut="root"),
-}
-# Elongations for which the pressure is asked, as shares of the elongation at 20 kPa.
-SHARES: Final = (0.25, 0.50, 0.75)
-STRETCH_AT_BREAK: Final[dict[Silicone, float]] = {
-    "dragon-skin-10": 1.0 + 0.01 * DRAGON_SKIN_10_ELONGATION_AT_BREAK_PERCENT,
-    "dragon-skin-30": 1.0 + 0.01 * DRAGON_SKIN_30_ELONGATION_AT_BREAK_PERCENT,
-}
-SILICONES: Final[dict[Silicone, str]] = {"dragon-skin-10": "Dragon Skin 10", "dragon-skin-30": "Dragon Skin 30"}
-# Outputs of a chain: name and unit in the rows, heading, decimals.
-_OUTPUTS: Final = (
-    ("root_stretch", "1", "λ_y", 4),
-    ("root_inner_stretch", "1", "λ_i", 4),
-    ("wall_stretch", "1", "λ_a", 4),
-    ("half_pitch_deformed_mm", "mm", "a, mm", 3),
-    ("side_length_deformed_mm", "mm", "b, mm", 3),
-    ("angle_deg", "deg", "θ, °", 2),
-    ("elongation_mm", "mm", "elongation, mm", 2),
-    ("extension_force_n", "N", "extension force, N", 3),
-    ("resistive_force_n", "N", "resistive force, N", 3),
-)
+_PRINTED: Final = ("paper_closed_form", "paper_ansys", "paper_experiment")
 
 
-def path_of(
-    actuator: PaperActuator, reading: Reading, pressures_kpa: Sequence[float] = PRESSURES_KPA
-) -> ClosedFormPath:
-    """A chain's answer for an actuator at pressures in kPa."""
-    return closed_form(actuator.dimensions, actuator.law, np.asarray(pressures_kpa), reading)
-
-
-def output(path: ClosedFormPath, name: str) -> FloatArray:
-    """An output of a chain by the name of its rows; angles in degrees."""
-    return np.rad2deg(path.angle_rad) if name == "angle_deg" else getattr(path, name)
-
-
-def printed_mm(actuator: PaperActuator) -> dict[str, float]:
-    """Printed elongations at 20 kPa by model, mm."""
-    known = actuator.printed
-    return {
-        "paper_closed_form": 10.0 * known.closed_form_cm,
-        "paper_ansys": 10.0 * known.ansys_cm,
-        "paper_experiment": 10.0 * known.experiment_cm,
-    }
-
-
-# --- chains ---------------------------------------------------------------------------------
-
-
-def chain_rows(actuator: PaperActuator) -> list[Row]:
-    """Elongation of every chain and cut beside the printed one, the chains' other outputs, unfolding pressures."""
-    rows = []
-    printed, source = printed_mm(actuator), actuator.printed.source
-    readings = [(model, "", reading) for model, reading in CHAINS.items() if model != "closed_form_balanced"]
-    readings += [("closed_form_balanced", cut, reading) for cut, reading in CUTS.items()]
-    for model, level, reading in readings:
-        path = path_of(actuator, reading)
-        for k, pressure in enumerate(PRESSURES_KPA):
-            compared = pressure == PRINTED_PRESSURE_KPA
-            rows.append(
-                row(
-                    actuator.name,
-                    TIP,
-                    "mm",
-                    pressure,
-                    model,
-                    float(path.elongation_mm[k]),
-                    level,
-                    reference=printed["paper_closed_form"] if compared else math.nan,
-                    source=source if compared else "",
-                    status=_status(path, k),
-                )
-            )
-            rows += [
-                row(actuator.name, name, unit, pressure, model, float(output(path, name)[k]), level)
-                for name, unit, _, _ in _OUTPUTS
-                if name != "elongation_mm"
-            ]
-        unfolding = float(path.unfolding_pressure_kpa[0])
-        rows.append(row(actuator.name, "unfolding_pressure_kpa", "kPa", math.nan, model, unfolding, level))
-    rows += [
-        row(actuator.name, TIP, "mm", PRINTED_PRESSURE_KPA, model, value, source=source)
-        for model, value in printed.items()
-    ]
-    return rows
-
-
-def _status(path: ClosedFormPath, k: int) -> str:
-    state = str(path.state[k])
-    return "reached" if state == "folded" else f"reached, {state}"
-
-
-def summary(actuators: Sequence[PaperActuator]) -> Table:
+def summary(rows: Sequence[Row], actuators: Iterable[PaperActuator]) -> Table:
     """Elongation (mm) at 20 kPa of the three chains beside the printed numbers, state and unfolding pressure (kPa)."""
-    lines = []
-    for actuator in actuators:
-        paths = {model: path_of(actuator, reading, [PRINTED_PRESSURE_KPA]) for model, reading in CHAINS.items()}
-        printed = printed_mm(actuator)
-        values = {model: float(path.elongation_mm[0]) for model, path in paths.items()}
-        corrected = paths["closed_form"]
-        difference = difference_percent(values["closed_form"], printed["paper_closed_form"])
-        lines.append(
-            (
-                f"[{actuator.name}](#{actuator.name})",
-                SILICONES[actuator.silicone],
-                *(_length(value) for value in values.values()),
-                *(f"{value:g}" for value in printed.values()),
-                signed(difference),
-                str(corrected.state[0]),
-                f"{corrected.unfolding_pressure_kpa[0]:.1f}",
-            )
-        )
-    header = ("actuator", "silicone", *map(model_label, CHAINS), *map(model_label, printed_mm(actuators[0])))
-    header += ("closed form from its printed number, %", "state", "unfolds fully at, kPa")
-    return Table(header, tuple(lines), left=(0, 1, len(header) - 2))
-
-
-def chain_table(actuator: PaperActuator) -> Table:
-    """Elongation (mm) by pressure (kPa): the chains, the balanced one at each cut, the printed numbers."""
-    paths = {model_label(model): path_of(actuator, reading) for model, reading in CHAINS.items()}
-    paths |= {f"balanced, cut at the {cut}": path_of(actuator, r) for cut, r in CUTS.items() if cut != "mean"}
-    printed = printed_mm(actuator)
-    lines = []
-    for k, pressure in enumerate(PRESSURES_KPA):
-        values = (_length(float(path.elongation_mm[k])) for path in paths.values())
-        known = (f"{v:g}" if pressure == PRINTED_PRESSURE_KPA else MISSING for v in printed.values())
-        lines.append((f"{pressure:g}", *values, *known))
-    return Table(("pressure, kPa", *paths, *map(model_label, printed)), tuple(lines), left=())
-
-
-def output_table(actuator: PaperActuator) -> Table:
-    """Every output of the three chains, a line per chain and pressure (kPa)."""
-    lines = []
-    for model, reading in CHAINS.items():
-        path = path_of(actuator, reading)
-        for k, pressure in enumerate(PRESSURES_KPA):
-            values = (_fixed(float(output(path, name)[k]), digits) for name, _, _, digits in _OUTPUTS)
-            lines.append((_SHORT[model], f"{pressure:g}", *values, str(path.state[k])))
-    header = ("chain", "pressure, kPa", *(heading for _, _, heading, _ in _OUTPUTS), "state")
-    return Table(header, tuple(lines), left=(0, len(header) - 1))
-
-
-def unfolding(actuator: PaperActuator) -> str:
-    """Unfolding pressures of the chains, a sentence."""
-    printed, corrected = (
-        float(path_of(actuator, CHAINS[model]).unfolding_pressure_kpa[0])
-        for model in ("closed_form_printed", "closed_form")
-    )
-    return (
-        f"The root reaches the crest at {corrected:.1f} kPa in the corrected and the balanced chain, at {printed:.1f} "
-        "kPa in the printed one."
-    )
-
-
-def warnings(actuator: PaperActuator) -> list[str]:
-    """What to know before quoting a chain's numbers, a sentence per chain and warning."""
-    found: dict[tuple[str, str], list[str]] = {}
-    for model, reading in CHAINS.items():
-        path = path_of(actuator, reading)
-        for pressure, texts in zip(
-            PRESSURES_KPA, validity_warnings(path, STRETCH_AT_BREAK[actuator.silicone]), strict=True
-        ):
-            for text in texts:
-                found.setdefault((model, text), []).append(f"{pressure:g}")
-    return [f"{model_label(model)}, {', '.join(at)} kPa: {text}." for (model, text), at in found.items()]
-
-
-def resting_on_saturation(actuators: Sequence[PaperActuator]) -> str:
-    """Which of the corrected and balanced chains' numbers rest on the rule that holds the root at full unfolding."""
-    resting = []
-    for actuator in actuators:
-        states = path_of(actuator, CORRECTED).state
-        held = [f"{p:g}" for p, state in zip(PRESSURES_KPA, states, strict=True) if state == "fully unfolded"]
-        if held:
-            resting.append(f"{actuator.name} at {_listed(held)} kPa")
-    if not resting:
-        return "None of the numbers rests on the rule that the root is held at full unfolding."
-    at_printed = [
-        f"{a.printed.closed_form_cm:g} cm"
-        for a in actuators
-        if path_of(a, CORRECTED, [PRINTED_PRESSURE_KPA]).state[0] == "fully unfolded"
+    silicones = {actuator.name: SILICONES[actuator.silicone] for actuator in actuators}
+    at_printed = [r for r in _of_chains(rows) if r.quantity != TIP or r.pressure_kpa == PRINTED_PRESSURE_KPA]
+    columns = [
+        *_tips(),
+        Column("closed form from its printed number, %", TIP, lambda r: signed(r.error_percent), "closed_form"),
+        Column("state", TIP, _state, "closed_form"),
+        Column("unfolds fully at, kPa", "unfolding_pressure_kpa", ".1f", "closed_form"),
     ]
-    return (
-        f"The numbers of {_listed(resting)} rest on the rule that the root is held at full unfolding, and so does what "
-        f"the dimensions owe to the printed {_listed(at_printed)}."
+    lines = {"actuator": lambda r: f"[{r.scene}](#{r.scene})", "silicone": lambda r: silicones[r.scene]}
+    return pivot(at_printed, lines, columns, left=(0, 1, len(columns)))
+
+
+def chain_table(rows: Iterable[Row]) -> Table:
+    """Elongation (mm) of an actuator by pressure (kPa): chains, the balanced one at each cut, the printed numbers."""
+    cuts = [
+        Column(f"balanced, cut at the {cut}", TIP, _length, "closed_form_balanced", cut)
+        for cut in CUTS
+        if cut != "mean"
+    ]
+    chains, printed = _tips()[: len(CHAINS)], _tips()[len(CHAINS) :]
+    of_cuts = (r for r in rows if r.level in ("", *CUTS))
+    return pivot(of_cuts, {"pressure, kPa": pressure_of}, [*chains, *cuts, *printed])
+
+
+def output_table(rows: Iterable[Row]) -> Table:
+    """Every output of the three chains for an actuator, a line per chain and pressure (kPa)."""
+    columns = [Column(heading, name, _fixed(digits)) for name, _, heading, digits in OUTPUTS]
+    lines = {"chain": lambda r: SHORT[r.model], "pressure, kPa": pressure_of}
+    computed = (r for r in _of_chains(rows) if r.model in CHAINS)
+    return pivot(computed, lines, [*columns, Column("state", TIP, _state)], left=(0, 2 + len(columns)))
+
+
+def _of_chains(rows: Iterable[Row]) -> list[Row]:
+    """Rows of the chains themselves and of the print: no other cut, no blocked tip, no share."""
+    return [r for r in rows if r.level in ("", "mean")]
+
+
+def _state(row: Row) -> str:
+    """State of a chain at a row's pressure."""
+    return row.status.removeprefix("reached").removeprefix(", ") or "folded"
+
+
+def _tips() -> list[Column]:
+    """Elongations of the chains, the balanced one's at its mean cut, and as printed."""
+    chains = [
+        Column(model_label(model), TIP, _length, model, "mean" if model == "closed_form_balanced" else "")
+        for model in CHAINS
+    ]
+    return [*chains, *(Column(model_label(model), TIP, "g", model) for model in _PRINTED)]
+
+
+def convention_table(actuators: Iterable[PaperActuator]) -> Table:
+    """Elongation (mm) of the Dragon Skin 30 actuators in both Ogden conventions, by pressure (kPa)."""
+    of_silicone = [actuator for actuator in actuators if actuator.silicone == "dragon-skin-30"]
+    lines = itertools.product(of_silicone, OGDEN_CONVENTIONS, LOADED)
+    header = ("actuator", "convention", "initial shear modulus, kPa", "chain", *(f"{p:g} kPa" for p in PRESSURES_KPA))
+    return Table(
+        (*header, "paper: closed form, 20 kPa"), tuple(_convention_line(*line) for line in lines), left=(0, 1, 3)
     )
 
 
-def convention_table(actuators: Sequence[PaperActuator]) -> Table:
-    """Elongation (mm) of the Dragon Skin 30 actuators in both Ogden conventions, by pressure (kPa)."""
-    lines = []
-    for actuator in actuators:
-        if actuator.silicone != "dragon-skin-30":
-            continue
-        for convention in OGDEN_CONVENTIONS:
-            law = dragon_skin_30(convention)
-            for model in ("closed_form", "closed_form_balanced"):
-                path = closed_form(actuator.dimensions, law, PRESSURES_KPA, CHAINS[model])
-                lines.append(
-                    (
-                        actuator.name,
-                        convention,
-                        f"{1e3 * law.initial_shear_modulus_mpa:.2f}",
-                        model_label(model),
-                        *(_length(value) for value in path.elongation_mm.tolist()),
-                        f"{actuator.printed.closed_form_cm * 10.0:g}",
-                    )
-                )
-    header = ("actuator", "convention", "initial shear modulus, kPa", "chain", *(f"{p:g} kPa" for p in PRESSURES_KPA))
-    return Table((*header, "paper: closed form, 20 kPa"), tuple(lines), left=(0, 1, 3))
-
-
-# --- corrections ----------------------------------------------------------------------------
+def _convention_line(actuator: PaperActuator, convention: OgdenConvention, model: str) -> tuple[str, ...]:
+    law = dragon_skin_30(convention)
+    path = closed_form(actuator.dimensions, law, PRESSURES_KPA, CHAINS[model])
+    return (
+        actuator.name,
+        convention,
+        f"{1e3 * law.initial_shear_modulus_mpa:.2f}",
+        model_label(model),
+        *(typeset(tip, ".2f") for tip in path.elongation_mm.tolist()),
+        f"{actuator.printed.closed_form_cm * 10.0:g}",
+    )
 
 
 def correction_table() -> Table:
     """Every departure from the print: where, what is wrong, what is done, why, from which chain on."""
-    lines = (
-        (
-            m.name,
-            m.equation,
-            m.fault,
-            m.corrected_to,
-            m.evidence,
-            _SHORT[m.chain],
-            "see below" if _counts(m) else _why_no_effect(m),
-        )
-        for m in CORRECTIONS
-    )
-    header = ("correction", "equation", "fault", "corrected to", "evidence", "from this chain on", "effect on numbers")
-    return Table(header, tuple(lines), left=tuple(range(len(header))))
+    columns: dict[str, Callable[[Correction], str]] = {
+        "correction": lambda c: c.name,
+        "equation": lambda c: c.equation,
+        "fault": lambda c: c.fault,
+        "corrected to": lambda c: c.corrected_to,
+        "evidence": lambda c: c.evidence,
+        "from this chain on": lambda c: SHORT[c.chain],
+        "effect on numbers": _effect_on_numbers,
+    }
+    return table_of(CORRECTIONS, columns, left=tuple(range(len(columns))))
 
 
-def effect_table(actuators: Sequence[PaperActuator]) -> Table:
+def _effect_on_numbers(correction: Correction) -> str:
+    if correction.without is None:
+        return "the print cannot be evaluated"
+    return "none, wording" if correction.without == correction.with_ else "see below"
+
+
+def correction_effects(rows: Iterable[Row], actuators: Iterable[PaperActuator]) -> Table:
     """What every correction that changes numbers is worth in elongation (cm), by actuator and pressure (kPa)."""
-    lines = []
-    for correction in CORRECTIONS:
-        if _counts(correction):
-            effects = (effect_cm(correction, a.dimensions, a.law, PRESSURES_KPA).tolist() for a in actuators)
-            lines.append((correction.name, *(_effect(value) for of_actuator in effects for value in of_actuator)))
-    return Table(("effect, cm", *actuator_columns(actuators)), tuple(lines))
+    with_numbers = [c.name for c in CORRECTIONS if _effect_on_numbers(c) == "see below"]
+    of_them = (r for r in rows if r.level in with_numbers)
+    return pivot(of_them, {"effect, cm": lambda r: r.level}, _everywhere(CORRECTION, _effect, actuators), left=(0,))
 
 
-def actuator_columns(actuators: Sequence[PaperActuator]) -> tuple[str, ...]:
-    """Headings of columns by actuator and pressure (kPa)."""
-    return tuple(f"{actuator.name}, {pressure:g} kPa" for actuator in actuators for pressure in PRESSURES_KPA)
+def change_table(rows: Iterable[Row], actuators: Iterable[PaperActuator]) -> Table:
+    """What each effect is worth (%), a line per effect, a column per actuator and pressure (kPa)."""
+    titles = {effect.name: effect.title for effect in EFFECTS}
+    columns = _everywhere(CHANGE, lambda r: change_text(r.value), actuators)
+    return pivot(rows, {"change, %": lambda r: titles[r.level]}, columns, left=(0,))
 
 
-def _counts(correction: Correction) -> bool:
-    return correction.without is not None and correction.without != correction.with_
-
-
-def _why_no_effect(correction: Correction) -> str:
-    return "the print cannot be evaluated" if correction.without is None else "none, wording"
-
-
-def _effect(value_cm: float) -> str:
-    # the digits shown decide what is nothing
-    return _minus(f"{value_cm:+.2f}") if abs(value_cm) >= 0.005 else "0"
-
-
-def correction_rows(actuator: PaperActuator) -> list[Row]:
-    """Effects of all corrections on an actuator, cm."""
+def _everywhere(quantity: str, form: Callable[[Row], str], actuators: Iterable[PaperActuator]) -> list[Column]:
+    """A column per actuator and pressure."""
     return [
-        row(actuator.name, "correction_effect_cm", "cm", pressure, correction.chain, value, correction.name)
-        for correction in CORRECTIONS
-        for pressure, value in zip(
-            PRESSURES_KPA, effect_cm(correction, actuator.dimensions, actuator.law, PRESSURES_KPA).tolist(), strict=True
-        )
+        Column(f"{actuator.name}, {pressure:g} kPa", quantity, form, scene=actuator.name, pressure_kpa=pressure)
+        for actuator in actuators
+        for pressure in PRESSURES_KPA
     ]
 
 
-# --- inverse and held tip -------------------------------------------------------------------
-
-# The chains that have a unique pressure for an elongation and a balance to add a tip force to.
-_LOADED: Final = ("closed_form", "closed_form_balanced")
-
-
-def load_rows(actuator: PaperActuator) -> list[Row]:
-    """Pressures for given elongations, forces at the blocked tip."""
-    rows = []
-    for model in _LOADED:
-        reading = CHAINS[model]
-        for share, elongation in zip(SHARES, _requested_mm(actuator, model), strict=True):
-            pressure = pressure_at_elongation_kpa(actuator.dimensions, actuator.law, elongation, reading)
-            rows.append(row(actuator.name, TIP, "mm", pressure, model, elongation, f"{share:.0%} of that at 20 kPa"))
-        held = held_tip(actuator.dimensions, actuator.law, PRESSURES_KPA, reading=reading)
-        for k, pressure in enumerate(PRESSURES_KPA):
-            for name, unit, values in (
-                ("tip_force_n", "N", held.tip_force_n),
-                ("thrust_n", "N", held.extension_force_n),
-                ("wall_stretch", "1", held.wall_stretch),
-            ):
-                rows.append(row(actuator.name, name, unit, pressure, model, float(values[k]), "blocked"))
-    return rows
-
-
-def inverse_table(actuators: Sequence[PaperActuator]) -> Table:
+def inverse_table(rows: Iterable[Row]) -> Table:
     """Pressure (kPa) at which the corrected and the balanced chain give shares of their elongation at 20 kPa."""
-    lines = []
-    for actuator in actuators:
-        for model in _LOADED:
-            asked = _requested_mm(actuator, model)
-            found = (pressure_at_elongation_kpa(actuator.dimensions, actuator.law, u, CHAINS[model]) for u in asked)
-            cells = (f"{u:.2f} mm at {p:.3f} kPa" for u, p in zip(asked, found, strict=True))
-            lines.append((actuator.name, model_label(model), *cells))
-    return Table(("actuator", "chain", *(f"{share:.0%}" for share in SHARES)), tuple(lines), left=(0, 1))
+
+    def cell(row: Row) -> str:
+        return f"{row.value:.2f} mm at {row.pressure_kpa:.3f} kPa"
+
+    return pivot(rows, _LOADS, [Column(f"{share:.0%}", TIP, cell, level=share_text(share)) for share in SHARES], (0, 1))
 
 
-def _requested_mm(actuator: PaperActuator, model: str) -> list[float]:
-    most = float(path_of(actuator, CHAINS[model], [PRINTED_PRESSURE_KPA]).elongation_mm[0])
-    return [share * most for share in SHARES]
-
-
-def held_table(actuators: Sequence[PaperActuator]) -> Table:
+def held_table(rows: Iterable[Row]) -> Table:
     """Tip force (N) blocked at zero elongation, beside the thrust alone, by pressure (kPa)."""
-    lines = []
-    for actuator in actuators:
-        for model in _LOADED:
-            held = held_tip(actuator.dimensions, actuator.law, PRESSURES_KPA, reading=CHAINS[model])
-            cells = (
-                f"{force:.3f} (thrust {thrust:.3f}, λ_a {stretch:.3f})"
-                for force, thrust, stretch in zip(
-                    held.tip_force_n, held.extension_force_n, held.wall_stretch, strict=True
-                )
-            )
-            lines.append((actuator.name, model_label(model), *cells))
-    return Table(("actuator", "chain", *(f"{p:g} kPa, N" for p in PRESSURES_KPA)), tuple(lines), left=(0, 1))
+    columns = [
+        Column("tip force, N", "tip_force_n", ".3f"),
+        Column("thrust alone, N", "thrust_n", ".3f"),
+        Column("λ_a", "wall_stretch", ".3f"),
+    ]
+    blocked = (r for r in rows if r.level == "blocked")
+    return pivot(blocked, {**_LOADS, "pressure, kPa": pressure_of}, columns, (0, 1))
 
 
-# --- text -----------------------------------------------------------------------------------
+_LOADS: Final[dict[str, Callable[[Row], str]]] = {
+    "actuator": lambda r: r.scene,
+    "chain": lambda r: model_label(r.model),
+}
 
 
-def _listed(texts: Iterable[str]) -> str:
-    """Texts as a list in a sentence."""
-    *first, last = texts
-    return f"{', '.join(first)} and {last}" if first else last
+def change_text(percent: float) -> str:
+    """A change as text; without a sign where the digits shown are all zero."""
+    if percent != percent:
+        return MISSING
+    return signed(percent) if abs(percent) >= 0.005 else "0"
 
 
-def _length(value_mm: float) -> str:
-    return _minus(f"{value_mm:.2f}") if math.isfinite(value_mm) else "no real a"
+def _effect(row: Row) -> str:
+    # the digits shown decide what is nothing
+    return typeset(row.value, "+.2f") if abs(row.value) >= 0.005 else "0"
 
 
-def _fixed(value: float, digits: int) -> str:
-    return _minus(f"{value:.{digits}f}") if math.isfinite(value) else MISSING
+def _length(row: Row) -> str:
+    return typeset(row.value, ".2f", "no real a")
 
 
-def _minus(number: str) -> str:
-    return number.replace("-", "\N{MINUS SIGN}")
+def _fixed(digits: int) -> Callable[[Row], str]:
+    return lambda row: typeset(row.value, f".{digits}f")

@@ -74,9 +74,9 @@ def material(scene: Path, as_json: bool) -> None:
 @click.option("--out", type=click.Path(path_type=Path), help="Write it here for ParaView (.vtu).")
 def mesh(file: Path, model: Model | None, level: int, around: int, scale: float, out: Path | None) -> None:
     """Print the size, quality and named surfaces of the mesh of FILE, a bellows' scene or a gmsh file."""
+    from meshes.by_gmsh.user_mesh import read_user_mesh
     from meshes.quality import mesh_quality, region_volumes_mm3
     from meshes.solid import FACETS
-    from meshes.user_mesh import read_user_mesh
     from studies.scene.bellows import BellowsScene, core_shift_mm
     from studies.scene.meshes import scene_body, scene_meridian
 

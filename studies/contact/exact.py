@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Final
 
 import numpy as np
 from mpi4py import MPI
@@ -12,7 +15,7 @@ from mpi4py import MPI
 from analytical.exact import sphere as exact_sphere
 from analytical.exact import tube as exact_tube
 from analytical.laws.silicones import DRAGON_SKIN_10
-from meshes.bodies import sphere_meridian, tube_meridian
+from meshes.bodies import joined, sphere_meridian, tube_meridian
 from meshes.solid import FACETS, FloatArray, SolidMesh
 from meshes.surface import boundary_edges
 from solvers.assembly.surfaces import Surfaces
@@ -20,18 +23,20 @@ from solvers.contact.contact import Contact
 from solvers.contact.obstacles import Bore, Bowl
 from solvers.contact.pairs import Against, ContactSettings, Facing, Line, PairReport, Stop
 from solvers.discrete.domain import create_domain
+from solvers.errors import SolverError
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
 from solvers.paths.records import PathSettings, PathState
 from solvers.problem import Problem
 from studies.models.contact import DEPTH, LIMIT, REACH, SMOOTHING, STIFFNESS
+from studies.models.run_rows import work_mj
 from studies.results.rows import Row, row
 
 LAW = DRAGON_SKIN_10
 TUBE, OUTER_TUBE = exact_tube.Tube(5.0, 6.0), exact_tube.Tube(7.0, 8.5)
 SPHERE = exact_sphere.Sphere(5.0, 6.0)
 LENGTH_MM, HOUSING_MM, TOGETHER_MM = 2.0, 7.0, 8.0
-# Asked pressures, of the one at which the body alone touches; beyond a kink more, for the work.
+# Requested pressures, of the one at which the body alone touches; beyond a kink more, for the work.
 SHARES = (0.98, 1.0, 1.05, 1.1, 1.2, 1.3, 1.4, 1.5, 1.75, 2.0)
 STIFFNESSES = (STIFFNESS / 4.0, STIFFNESS, 4.0 * STIFFNESS)
 # Steps so small that the pair is within reach before it meets.
@@ -49,12 +54,12 @@ def penalty(wall_mm: float, stiffness: float = STIFFNESS) -> ContactSettings:
     )
 
 
-def exact_rows() -> list[Row]:
-    """All problems, a row per number with its exact value."""
-    rows = []
-    for stiffness in STIFFNESSES:
-        rows += _tube_in_bore(stiffness)
-    return rows + _sphere_in_bowl() + _tube_in_tube()
+@dataclass(frozen=True)
+class ExactProblem:
+    """A problem by its name, and what makes its rows: a row per number, with its exact value where it has one."""
+
+    name: str
+    rows: Callable[[], list[Row]]
 
 
 def _line(mesh: SolidMesh, radius: FloatArray, at_mm: float, side: float) -> Line:
@@ -76,7 +81,7 @@ def _follow(problem: Problem, loads_mpa: Sequence[float]) -> tuple[list[PathStat
     path = follow_path(problem, factor, loads_mpa, SMALL_STEPS)
     factor.close()
     if not path.reached:
-        raise RuntimeError(f"a contact problem with an exact answer stopped: {path.reason}")
+        raise SolverError(path.reason)
     reports = []
     for item in path.states:
         problem.set_state(item.state)
@@ -92,23 +97,24 @@ def _in_housing(
     problem.contact = contact
     states, reports = _follow(problem, [share * alone_mpa for share in SHARES])
     last, report = states[-1], reports[-1]
-    kpa = 1e3 * last.state.load_mpa
-
-    def entry(quantity: str, unit: str, value: float, reference: float, source: str) -> Row:
-        return row(name, quantity, unit, kpa, "axisymmetric", value, level, reference=reference, source=source)
-
     problem.set_state(problem.zero_state())
     pressure = np.array([0.0, *(s.state.load_mpa for s in states)])
-    volume = np.array([problem.cavity_volume(), *(s.volume_mm3 for s in states)])
-    work = float(np.sum(0.5 * (pressure[1:] + pressure[:-1]) * np.diff(volume)))
+    work = work_mj(pressure, np.array([problem.cavity_volume(), *(s.volume_mm3 for s in states)]))
+    force = (last.state.load_mpa - alone_mpa) * area_mm2
+    number = partial(row, name, pressure_kpa=1e3 * last.state.load_mpa, model="axisymmetric", level=level)
     return [
-        entry("contact_force_n", "N", report.force_n, (last.state.load_mpa - alone_mpa) * area_mm2, "exact"),
-        entry("penetration_of_wall_percent", "%", -100.0 * report.gap_mm / wall_mm, math.nan, ""),
-        entry("energy_mj", "mJ", last.energy_mj, work, "work of the pressure, trapezoidal"),
+        number("contact_force_n", "N", value=report.force_n, reference=force, source="exact"),
+        number("penetration_of_wall_percent", "%", value=-100.0 * report.gap_mm / wall_mm),
+        number("energy_mj", "mJ", value=last.energy_mj, reference=work, source="work of the pressure, trapezoidal"),
     ]
 
 
-def _tube_in_bore(stiffness: float) -> list[Row]:
+def _tube_in_bore() -> list[Row]:
+    """With a softer and a stiffer penalty too."""
+    return [entry for stiffness in STIFFNESSES for entry in _tube_with_penalty(stiffness)]
+
+
+def _tube_with_penalty(stiffness: float) -> list[Row]:
     wall = TUBE.outer_radius_mm - TUBE.inner_radius_mm
     mesh = tube_meridian(TUBE.inner_radius_mm, TUBE.outer_radius_mm, LENGTH_MM, 4, 4, "quadrilaterals")
     problem = _problem(mesh, ((FACETS["bottom"], 1), (FACETS["top"], 1)))
@@ -139,16 +145,7 @@ def _tube_in_tube() -> list[Row]:
     inner = tube_meridian(TUBE.inner_radius_mm, TUBE.outer_radius_mm, LENGTH_MM, 4, 4, "quadrilaterals")
     outer = tube_meridian(OUTER_TUBE.inner_radius_mm, OUTER_TUBE.outer_radius_mm, LENGTH_MM, 3, 5, "quadrilaterals")
     tags = np.where(outer.facet_tags == FACETS["cavity"], FACETS["outer"], outer.facet_tags)
-    shift = len(inner.points)
-    mesh = dataclasses.replace(
-        inner,
-        points=np.vstack([inner.points, outer.points]),
-        cells=np.vstack([inner.cells, outer.cells + shift]),
-        regions=np.append(inner.regions, outer.regions),
-        facets=np.vstack([inner.facets, outer.facets + shift]),
-        facet_tags=np.append(inner.facet_tags, tags),
-        facet_bodies=np.append(inner.facet_bodies, outer.facet_bodies),
-    )
+    mesh = joined(inner, dataclasses.replace(outer, facet_tags=tags))
     problem = _problem(mesh, ((FACETS["bottom"], 1), (FACETS["top"], 1)))
     radius = mesh.points[:, 0]
     lines = [_line(mesh, radius, TUBE.outer_radius_mm, -1.0), _line(mesh, radius, OUTER_TUBE.inner_radius_mm, 1.0)]
@@ -159,18 +156,19 @@ def _tube_in_tube() -> list[Row]:
     alone = exact_tube.pressure_at_inner_radius_mpa(TUBE, LAW, bore)
     both = alone + exact_tube.pressure_at_inner_radius_mpa(OUTER_TUBE, LAW, TOGETHER_MM)
     states, reports = _follow(problem, [both])
-    found = TUBE.inner_radius_mm + float(
-        states[-1].state.displacement_mm[np.isclose(radius, TUBE.inner_radius_mm), 0].mean()
-    )
+    inside = np.isclose(radius, TUBE.inner_radius_mm)
+    found = float(states[-1].state.displacement_mm[inside, 0].mean())
     force = (both - alone) * 2.0 * math.pi * TOGETHER_MM * LENGTH_MM
-    level = f"k{STIFFNESS:g}"
-
-    def entry(quantity: str, unit: str, value: float, reference: float = math.nan, source: str = "") -> Row:
-        name = "tube in a tube"
-        return row(name, quantity, unit, 1e3 * both, "axisymmetric", value, level, reference=reference, source=source)
-
+    number = partial(row, "tube in a tube", pressure_kpa=1e3 * both, model="axisymmetric", level=f"k{STIFFNESS:g}")
     return [
-        entry("bore_mm", "mm", found - TUBE.inner_radius_mm, bore - TUBE.inner_radius_mm, "exact"),
-        entry("contact_force_n", "N", reports[-1].force_n, force, "exact"),
-        entry("penetration_of_wall_percent", "%", -100.0 * reports[-1].gap_mm / wall),
+        number("bore_mm", "mm", value=found, reference=bore - TUBE.inner_radius_mm, source="exact"),
+        number("contact_force_n", "N", value=reports[-1].force_n, reference=force, source="exact"),
+        number("penetration_of_wall_percent", "%", value=-100.0 * reports[-1].gap_mm / wall),
     ]
+
+
+PROBLEMS: Final = (
+    ExactProblem("tube in a rigid bore", _tube_in_bore),
+    ExactProblem("half a sphere in a rigid bowl", _sphere_in_bowl),
+    ExactProblem("tube in a tube", _tube_in_tube),
+)

@@ -1,160 +1,93 @@
-"""The contact study: exact problems, what contact changes of actuators, how far 1 mm ones go without touching.
-
-python -m studies.contact.study --out results/contact
-"""
+"""The contact study: exact problems, what contact changes of actuators, how far 1 mm ones go without touching."""
 
 from __future__ import annotations
 
 import math
-import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Final
 
-import click
 import numpy as np
-from mpi4py import MPI
 
-from studies.contact.exact import exact_rows
+from studies.contact.exact import PROBLEMS, ExactProblem
+from studies.engine import Page, Setting, Solved, Study
 from studies.models.axisymmetric import run_axisymmetric
-from studies.models.contact import CONTACT_FILE, MODELLED, SMOOTHING, STIFFNESS, read_reports
-from studies.models.run_log import CONTACT
+from studies.models.contact import SMOOTHING, STIFFNESS
+from studies.models.run_rows import requested_rows, run_notes, stops
 from studies.planning.levels import fineness
-from studies.progress import Progress
-from studies.report.labels import level_label
+from studies.report.labels import level_label, quantity_label
 from studies.report.numbers import number_text
-from studies.report.pages import write_page
 from studies.report.tables import Column, Table, pivot, pressure_of, table_of
 from studies.results import provenance
-from studies.results.files import PathRow, load_state, read_summary
+from studies.results.files import load_state
 from studies.results.measures import find_places, largest_stretches
-from studies.results.rows import REACHED, Row, row, write_rows
+from studies.results.rows import Row, row
 from studies.results.runs import Run
-from studies.scene.bellows import BellowsScene, Contact
+from studies.scene.bellows import BellowsScene, Contact, at_pressures
 from studies.scene.files import load_bellows
 
-SCENES = provenance.ROOT / "scenes"
-STOPPED = 3
+SCENES: Final = provenance.ROOT / "scenes"
+# Actuators by their files, and pressures in kPa instead of theirs.
+ACTUATORS: Final[Mapping[str, tuple[float, ...]]] = {
+    "blocked-t2-ri5": (5.0, 10.0, 12.5, 15.0, 17.5),
+    "contact/blocked-t1-ri5": (2.0, 4.0, 5.0, 7.5, 10.0, 15.0),
+    "vacuum/vacuum-t2-ri5": (-0.5, -1.0, -2.0, -5.0, -10.0),
+    "heung-t1-ri5": (10.0, 20.0, 30.0, 40.0, 60.0, 80.0),
+    "heung-t1-ri7": (10.0, 20.0, 30.0, 40.0, 60.0, 80.0),
+}
+# Pressurised far beyond what the paper's ANSYS reached: the gap to the rings, without end in sight.
+OPEN: Final = ("heung-t1-ri5", "heung-t1-ri7")
+WITH, WITHOUT = "axisymmetric", "axisymmetric, no contact"
+QUANTITIES: Final = ("min_gap_mm", "unstable_modes", "contact_force_n", "touching_places", "min_det_f")
 
 
 @dataclass(frozen=True)
-class Case:
-    """A scene with contact on some meridians and without on the first.
+class Found:
+    """Rows of a case, and how its runs went."""
 
-    Attributes
-    ----------
-    file
-        Below scenes/.
-    pressures_kpa
-        Asked instead of the scene's.
-    levels
-        Meridians with contact.
-    """
-
-    file: str
-    pressures_kpa: tuple[float, ...]
-    levels: tuple[int, ...]
+    rows: Sequence[Row]
+    notes: Sequence[str] = ()
 
 
-TOUCHING = (
-    Case("blocked-t2-ri5", (5.0, 10.0, 12.5, 15.0, 17.5), (1, 2)),
-    Case("contact/blocked-t1-ri5", (2.0, 4.0, 5.0, 7.5, 10.0, 15.0), (1, 2)),
-    Case("vacuum/vacuum-t2-ri5", (-0.5, -1.0, -2.0, -5.0, -10.0), (1, 2)),
-)
-# Pressurised far beyond what the paper's ANSYS reached: the gap to the rings, without end in sight.
-OPEN = (
-    Case("heung-t1-ri5", (10.0, 20.0, 30.0, 40.0, 60.0, 80.0), (1, 2)),
-    Case("heung-t1-ri7", (10.0, 20.0, 30.0, 40.0, 60.0, 80.0), (1, 2)),
-)
+def cases(options: Mapping[str, Any]) -> list[ExactProblem | BellowsScene]:
+    """Problems, then actuators."""
+    actuators = [at_pressures(load_bellows(SCENES / f"{file}.toml"), kpa) for file, kpa in ACTUATORS.items()]
+    return [*PROBLEMS, *actuators]
 
 
-def solve_case(case: Case, model: Literal["auto", "off"], level: int, folder: Path, progress: Progress) -> Run:
-    """The run of a case on a meridian, kept in ``folder``."""
-    scene = load_bellows(SCENES / f"{case.file}.toml")
-    load = scene.load.model_copy(update={"pressure_kpa": list(case.pressures_kpa)})
-    scene = scene.model_copy(update={"load": load, "contact": Contact(model=model)})
-    return run_axisymmetric(scene, level, run_folder(folder, scene, model, level), MPI.COMM_WORLD, progress)
+def solve(case: ExactProblem | BellowsScene, at: Setting) -> Found:
+    """Rows of a problem, or of an actuator on two meridians, and without contact on the coarser if it touches."""
+    if isinstance(case, ExactProblem):
+        return Found(case.rows())
+    rows, notes = [], []
+    for model, refinement in [(WITH, 1), (WITH, 2), *([] if case.name in OPEN else [(WITHOUT, 1)])]:
+        contact = Contact(model="auto" if model == WITH else "off")
+        folder = at.out / case.name / f"{contact.model}-r{refinement}"
+        scene = case.model_copy(update={"contact": contact})
+        run = run_axisymmetric(scene, refinement, folder, at.comm, at.progress)
+        rows += actuator_rows(scene, run, folder, model)
+        notes += [f"{run_label(model, run.summary.level)}: {note}" for note in run_notes(run)]
+    return Found(rows, notes)
 
 
-def run_folder(folder: Path, scene: BellowsScene, model: str, level: int) -> Path:
-    """Where the run of a scene is kept."""
-    return folder / scene.name / f"{model}-r{level}"
-
-
-def at(run: Run, pressure_kpa: float) -> PathRow | None:
-    """The requested state of a run at a pressure; None if it was not reached."""
-    for entry in run.path:
-        if entry.status == "requested" and math.isclose(entry.pressure_kpa, pressure_kpa, rel_tol=1e-9):
-            return entry
-    return None
-
-
-def case_rows(case: Case, folder: Path, progress: Progress) -> list[Row]:
-    """Rows of a case: tip, tip force, unstable modes and gap, with contact and (level r1) without."""
-    scene = load_bellows(SCENES / f"{case.file}.toml")
-    rows = []
-    runs: list[tuple[Literal["auto", "off"], int]] = [("auto", level) for level in case.levels]
-    if case in TOUCHING:
-        runs.append(("off", case.levels[0]))
-    for model, level in runs:
-        run = solve_case(case, model, level, folder, progress)
-        name = "axisymmetric" if model == "auto" else "axisymmetric, no contact"
-        reports = read_reports(run_folder(folder, scene, model, level) / CONTACT_FILE)
-        for pressure in case.pressures_kpa:
-            rows += _state_rows(scene, run, pressure, name, reports)
-            if case in OPEN:
-                stretch = _largest_stretch(scene, run, run_folder(folder, scene, model, level), pressure)
-                rows.append(row(scene.name, "largest_stretch", "1", pressure, name, stretch, run.summary.level))
+def actuator_rows(scene: BellowsScene, run: Run, folder: Path, model: str) -> list[Row]:
+    """Rows of a run that is kept in a folder: its states, and how far an actuator that does not touch is stretched."""
+    tip = ("tip_force_n", "tip_mm") if scene.blocked else ("tip_mm", "tip_force_n")
+    rows = requested_rows(run, folder, scene.load.pressure_kpa, (*tip, *QUANTITIES), model)
+    for pressure in scene.load.pressure_kpa if scene.name in OPEN else ():
+        stretch = largest_stretch(scene, run, folder, pressure)
+        rows.append(row(scene.name, "largest_stretch", "1", pressure, model, stretch, run.summary.level))
     return rows
 
 
-def _largest_stretch(scene: BellowsScene, run: Run, folder: Path, pressure_kpa: float) -> float:
+def largest_stretch(scene: BellowsScene, run: Run, folder: Path, pressure_kpa: float) -> float:
     """Largest principal stretch but for half a percent of the nodes, those at the seats' edges; NaN if not there."""
     saved = load_state(folder, run.summary.content_hash, 1e-3 * pressure_kpa)
     if saved is None:
         return math.nan
     places = find_places(scene, fineness(run.summary.level))
     return float(np.percentile(largest_stretches(places, saved[0].displacement_mm), 99.5))
-
-
-def _state_rows(
-    scene: BellowsScene, run: Run, pressure: float, model: str, reports: Sequence[dict[str, str]]
-) -> list[Row]:
-    found, level = at(run, pressure), run.summary.level
-    stopped = f"stopped at {run.path[-1].pressure_kpa:.2f} kPa: {run.summary.reason}" if run.path else "stopped"
-
-    def entry(quantity: str, unit: str, value: float) -> Row:
-        return row(scene.name, quantity, unit, pressure, model, value, level, status=REACHED if found else stopped)
-
-    if found is None:
-        return [entry("tip_force_n" if scene.blocked else "tip_mm", "N" if scene.blocked else "mm", math.nan)]
-    here = [r for r in reports if math.isclose(float(r["pressure_kpa"]), pressure, rel_tol=1e-5)]
-    force = sum(float(r["force_n"]) for r in here)
-    return [
-        entry("tip_mm", "mm", found.tip_mm),
-        entry("tip_force_n", "N", found.tip_force_n),
-        entry("min_gap_mm", "mm", found.min_gap_mm),
-        entry("unstable_modes", "1", found.unstable_modes),
-        entry("contact_force_n", "N", force),
-        entry("touching_places", "1", float(sum(int(r["places"]) for r in here))),
-        entry("min_det_f", "1", found.min_det_f),
-    ]
-
-
-def notes_of(case: Case, folder: Path) -> list[str]:
-    """What the runs of a case say of first touch and of their end."""
-    scene = load_bellows(SCENES / f"{case.file}.toml")
-    found = []
-    for place in sorted((folder / scene.name).glob("*-r*")):
-        summary = read_summary(place)
-        said = [n for n in summary.plan if n.startswith((MODELLED, CONTACT))]
-        said += [summary.reason] if summary.reason else []
-        found += [f"{scene.name}, {place.name}: {text}" for text in said or ["nothing touches"]]
-    return found
-
-
-# --- report -------------------------------------------------------------------------------------------------
 
 
 def exact_table(rows: Sequence[Row]) -> Table:
@@ -173,65 +106,60 @@ def exact_table(rows: Sequence[Row]) -> Table:
 
 
 def state_table(rows: Sequence[Row], quantity: str) -> Table:
-    """A line per pressure: the quantity by model and level, gap and contact force (or stretch) of the finest, modes."""
+    """A line per pressure: the quantity and unstable modes of all runs; of the finest gap, force and stretch."""
     runs = list(dict.fromkeys((r.model, r.level) for r in rows))
-    model, finest = [run for run in runs if run[0] == "axisymmetric"][-1]
-
-    def of_runs(header: str, quantity: str, form: str) -> list[Column]:
-        without = {run: ", no contact" if "no" in run[0] else "" for run in runs}
-        return [Column(f"{header}: {level_label(run[1])}{without[run]}", quantity, form, *run) for run in runs]
-
-    largest = Column(f"contact force, N: {level_label(finest)}", "contact_force_n", ".3g", model, finest)
-    if any(r.quantity == "largest_stretch" for r in rows):
-        largest = Column(f"largest stretch: {level_label(finest)}", "largest_stretch", ".3g", model, finest)
+    finest = [run for run in runs if run[0] == WITH][-1:]
+    shown = {
+        quantity: (".5g", runs),
+        "min_gap_mm": (".2g", finest),
+        "contact_force_n": (".3g", finest),
+        "largest_stretch": (".3g", finest),
+        "unstable_modes": (".4g", runs),
+    }
     columns = [
-        *of_runs("tip force, N" if quantity == "tip_force_n" else "tip, mm", quantity, ".5g"),
-        Column(f"least gap, mm: {level_label(finest)}", "min_gap_mm", ".2g", model, finest),
-        largest,
-        *of_runs("unstable modes", "unstable_modes", ".4g"),
+        Column(f"{quantity_label(name)}: {run_label(*run)}", name, form, *run)
+        for name, (form, of_runs) in shown.items()
+        for run in of_runs
     ]
-    return pivot(rows, {"kPa": pressure_of}, columns)
+    return pivot(rows, {"kPa": pressure_of}, [c for c in columns if any(c.shows(r) for r in rows)])
 
 
-def write_study(out: Path, progress: Progress) -> tuple[Path, bool]:
-    """Solve what is missing, write rows and report; its path, and whether all requested states were reached."""
-    exact = exact_rows()
-    by_case = {case: case_rows(case, out, progress) for case in (*TOUCHING, *OPEN)}
-    rows = [*exact, *(r for found in by_case.values() for r in found)]
-    write_rows(out / "rows.csv", rows)
-    names = {case: load_bellows(SCENES / f"{case.file}.toml") for case in by_case}
+def run_label(model: str, level: str) -> str:
+    """A meridian, and whether it is one without contact."""
+    return level_label(level) + (", no contact" if model == WITHOUT else "")
+
+
+def page(solved: Sequence[Solved[ExactProblem | BellowsScene, Found]], at: Setting) -> Page:
+    """A table of all problems, and a section per actuator."""
+    exact = [r for done in solved if isinstance(done.case, ExactProblem) for r in done.result.rows]
+    errors = [abs(r.error_percent) for r in exact if r.level == f"k{STIFFNESS:g}" and not math.isnan(r.error_percent)]
     sections = [
         {
-            "name": names[case].name,
-            "title": names[case].title,
-            "table": state_table(found, "tip_force_n" if names[case].blocked else "tip_mm"),
-            "notes": notes_of(case, out),
+            "name": scene.name,
+            "title": scene.title,
+            "table": state_table(done.result.rows, scene.main_quantity),
+            "notes": done.result.notes,
         }
-        for case, found in by_case.items()
+        for done in solved
+        if isinstance(scene := done.case, BellowsScene)
     ]
-    compared = [r for r in exact if not math.isnan(r.error_percent)]
     content = {
-        "title": "Contact: exact problems, folds that touch, rings that nothing reaches",
         "exact": exact_table(exact),
-        "worst": f"{max(abs(r.error_percent) for r in compared if r.level == f'k{STIFFNESS:g}'):.2g}",
+        "worst": f"{max(errors, default=math.nan):.2g}",
         "sections": sections,
         "stiffness": f"{STIFFNESS:g}",
         "smoothing": f"{100.0 * SMOOTHING:g}",
-        "facts": {"commit": provenance.commit(), "date": provenance.now(), "machine": provenance.machine()},
     }
-    return write_page(out, "contact.md.j2", content), all(r.status == REACHED for r in rows)
+    rows = [r for done in solved for r in done.result.rows]
+    return Page(rows, content, stops(rows))
 
 
-@click.command()
-@click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder for runs, rows and report.")
-def main(out: Path) -> None:
-    """Contact against exact answers, its effect on actuators, and where there is none."""
-    out.mkdir(parents=True, exist_ok=True)
-    report, reached = write_study(out, Progress(MPI.COMM_WORLD))
-    click.echo(f"report: {report}")
-    if not reached:
-        sys.exit(STOPPED)
-
-
-if __name__ == "__main__":
-    main()
+STUDY: Final = Study(
+    name="contact",
+    title="Contact: exact problems, folds that touch, rings that nothing reaches",
+    question="How exact is contact of folds, rings and wall, and what does it change of actuators?",
+    template="contact/page.md.j2",
+    cases=cases,
+    solve=solve,
+    page=page,
+)

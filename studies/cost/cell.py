@@ -1,6 +1,6 @@
 """Measures one cell of the cost study: ``mpirun -n R python -m studies.cost.cell '{"body": …}' --out FOLDER``.
 
-The last line on standard output is the measurement as JSON; the caller adds what only it can see (`cost_study`).
+The last line on standard output is the measurement as JSON; `studies.cost.measure` adds what only it can see.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import click
@@ -17,7 +17,8 @@ from mpi4py import MPI
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
 from solvers.paths.records import PathSettings, PathState
-from studies.cost.cells import Cell, Measurement, cell_scene
+from studies.cost.cases import Cell, cell_scene
+from studies.cost.measure import Measurement
 from studies.models.axisymmetric import run_axisymmetric
 from studies.models.body import run_simple_body
 from studies.models.build import Tip, masses_g, scene_problem
@@ -31,9 +32,6 @@ from studies.results import provenance
 from studies.results.runs import Run, run_hash, tip_at
 from studies.scene.bellows import BellowsScene
 from studies.scene.meshes import SECTORS, scene_body, scene_meridian
-
-# To be raised when something else is measured, so that what was measured before is not taken for it.
-MEASURED_AS = 1
 
 
 @dataclass(frozen=True)
@@ -133,10 +131,10 @@ def main(cell: str, out: Path) -> None:
     wanted = Cell(**json.loads(cell))
     threads = provenance.blas_threads()
     if (comm.size, threads) != (wanted.ranks, wanted.threads):
-        raise click.UsageError(f"{comm.size} ranks x {threads} BLAS threads: the cell has {wanted.name}")
+        raise click.UsageError(f"{comm.size} ranks x {threads} BLAS threads: the cell has {wanted.setting}")
     found = measure(wanted, out, comm)
     if comm.rank == 0:
-        click.echo("\n" + found.as_json())
+        click.echo("\n" + json.dumps(asdict(found)))
 
 
 if __name__ == "__main__":

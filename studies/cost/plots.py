@@ -3,43 +3,43 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from matplotlib.ticker import FuncFormatter
 
-from studies.cost.rows import Point, Power, front, told_apart
+from studies.cost.points import Growth, Point, front, per_factorisation
 from studies.report.labels import model_label
 from studies.report.panels import Panel, Series, add_legend, add_panel, draw_panels
-from studies.report.style import BESIDE, BLACK, BLUE, GREEN, GREY, INSIDE, ORANGE, PURPLE, SKY, VERMILION, figure_file
+from studies.report.style import (
+    BESIDE,
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    INSIDE,
+    PURPLE,
+    VERMILION,
+    figure_file,
+    style_of,
+)
 
-# Of this program by model, of others by their name in turn.
-COLOURS = {"closed_form": ORANGE, "axisymmetric": BLUE, "sector": SKY, "full3d": VERMILION}
-PEER_COLOURS = (GREEN, PURPLE, BLACK, GREY)
-MARKERS = {"hex": "s", "tet": "^", "tet-p0": "v", "tet-p1": "x", "none": "P"}
-ELEMENTS = {
+# Of other programs by their name in turn.
+PEER_COLOURS: Final = (GREEN, PURPLE, BLACK, GREY)
+MARKERS: Final = {"hex": "s", "tet": "^", "tet-p0": "v", "tet-p1": "x", "none": "P"}
+ELEMENTS: Final = {
     "hex": "hexahedra",
     "tet": "tetrahedra",
     "tet-p0": "tetrahedra P2/P0",
     "tet-p1": "tetrahedra P1",
     "none": "no cells",
 }
+_ALONE: Final = {"linestyle": "none"}
 # A ring round a point.
-_DEFAULT = {
-    "linestyle": "none",
-    "marker": "o",
-    "markersize": 14,
-    "markerfacecolor": "none",
-    "markeredgecolor": BLACK,
-}
-
-
-def short_name(point: Point) -> str:
-    """Element and mesh, for instance ``hex n8r2``; also of a peer."""
-    return f"{point.element} {point.mesh}"
+_RING: Final = {**_ALONE, "marker": "o", "markersize": 14, "markerfacecolor": "none", "markeredgecolor": BLACK}
 
 
 def draw_front(path: Path, points: Sequence[Point], whole: bool = False) -> None:
@@ -54,62 +54,66 @@ def draw_front(path: Path, points: Sequence[Point], whole: bool = False) -> None
     whole
         True for the time from start to end of the process, which is all that is known of other programs.
     """
-
-    def of(chosen: Iterable[Point], look: Mapping[str, Any], label: str = "") -> Series:
-        places = [(p.wall_s if whole else p.time_s, told_apart(p)) for p in chosen]
-        return Series([time for time, _ in places], [error for _, error in places], look, label)
-
-    shown = [p for p in points if np.isfinite(p.error_percent) and np.isfinite(p.wall_s)]
+    if whole:
+        points = [replace(p, cost=replace(p.cost, work_s=math.nan)) for p in points]
+    shown = [p for p in points if np.isfinite(p.error_percent) and np.isfinite(p.cost.wall_s)]
     models = list(dict.fromkeys(p.model for p in shown))
     peers = [model for model in models if model.startswith("peer_")]
-    colours = COLOURS | {model: PEER_COLOURS[k % len(PEER_COLOURS)] for k, model in enumerate(peers)}
-    best = {}
+    colours = {model: style_of(model)["color"] for model in models if model not in peers}
+    colours |= {model: PEER_COLOURS[k % len(PEER_COLOURS)] for k, model in enumerate(peers)}
+    fronts = {model: front([p for p in shown if p.model == model]) for model in models}
     series = []
-    for model, colour in ((model, colours[model]) for model in models):
-        mine = [p for p in shown if p.model == model]
-        best[model] = front([replace(p, work_s=math.nan) for p in mine] if whole else mine)
-        label = model.removeprefix("peer_") if model in peers else model_label(model)
-        series.append(of(best[model], {"color": colour, "linewidth": 1.4}, label))
-        for element in dict.fromkeys(p.element for p in mine):
-            look = {"color": colour, "marker": MARKERS.get(element, "D"), "markersize": 6.5, "alpha": 0.8}
-            series.append(of([p for p in mine if p.element == element], {"linestyle": "none", **look}))
-    default = [p for p in shown if p.default]
-    if default:
-        series.append(of(default, _DEFAULT, "settings of study-paper"))
+    for model in models:
+        label = model_label(model.removeprefix("peer_"))
+        series.append(_series(fronts[model], {"color": colours[model], "linewidth": 1.4}, label))
+        for element in dict.fromkeys(p.element for p in shown if p.model == model):
+            look = {**_ALONE, "color": colours[model], "marker": MARKERS.get(element, "D")}
+            of = [p for p in shown if (p.model, p.element) == (model, element)]
+            series.append(_series(of, {**look, "markersize": 6.5, "alpha": 0.8}))
+    if default := [p for p in shown if p.default]:
+        series.append(_series(default, _RING, "settings of study-paper"))
     for element in dict.fromkeys(p.element for p in shown if not p.is_peer):
-        look = {"color": GREY, "marker": MARKERS[element], "linestyle": "none"}
-        series.append(of([], look, ELEMENTS[element]))
+        series.append(_series([], {**_ALONE, "color": GREY, "marker": MARKERS[element]}, ELEMENTS[element]))
     x_label = f"wall time, s, {'from start to end of the process' if whole else 'without start and imports'}"
     with figure_file(path, 8.6, 5.0) as figure:
         axes = figure.add_subplot()
         add_panel(axes, Panel(series, x_label, "error, %", logarithmic="xy"))
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        for model, line in best.items():
-            places = of(line, {})
-            for p, *at in zip(line, places.x, places.y, strict=True):
-                look = {"textcoords": "offset points", "fontsize": 7.5, "color": colours[model]}
-                axes.annotate(short_name(p), at, (4, 5), **look)
+        for p in (p for line in fronts.values() for p in line):
+            at, name = (p.time_s, p.told_apart_percent), f"{p.element} {p.mesh}"
+            axes.annotate(name, at, (4, 5), textcoords="offset points", fontsize=7.5, color=colours[p.model])
         add_legend(figure, BESIDE)
 
 
-def draw_growth(path: Path, unknowns: Sequence[float], curves: Sequence[tuple[str, Sequence[float], Power]]) -> None:
-    """Draw quantities over the number of unknowns, both logarithmic, each with its power law.
+def _series(of: Sequence[Point], look: Mapping[str, Any], label: str = "") -> Series:
+    """Points at their times, s, and errors, percent."""
+    return Series([p.time_s for p in of], [p.told_apart_percent for p in of], look, label)
+
+
+def draw_growth(path: Path, of: Sequence[Point], laws: Growth) -> None:
+    """Draw time, time per factorisation and memory over the number of unknowns, logarithmic, each with its power law.
 
     Parameters
     ----------
     path
         The PNG to write.
-    unknowns
-        Sizes of the bodies.
-    curves
-        Label, values and power law of each, side by side.
+    of
+        Bodies of growing size.
+    laws
+        Theirs.
     """
-    ends = np.array([min(unknowns), max(unknowns)])
+    curves = (
+        ("time without start, s", [p.cost.work_s for p in of], laws.time, VERMILION),
+        ("time per factorisation, s", [per_factorisation(p) for p in of], laws.iteration, BLUE),
+        ("memory, MB", [p.cost.peak_mb for p in of], laws.memory, GREEN),
+    )
+    unknowns = [p.cost.unknowns for p in of]
+    ends = [min(unknowns), max(unknowns)]
     panels = []
-    for (label, values, law), colour in zip(curves, (VERMILION, BLUE, GREEN), strict=False):
-        measured = Series(unknowns, values, {"color": colour, "marker": "s", "linestyle": "none"})
-        fitted = [law.at(x) for x in ends]
-        line = Series(ends, fitted, {"color": colour, "linewidth": 1.2}, f"exponent {law.exponent:.2f}")
+    for label, values, law, colour in curves:
+        measured = Series(unknowns, values, {**_ALONE, "color": colour, "marker": "s"})
+        look = {"color": colour, "linewidth": 1.2}
+        line = Series(ends, [law.at(x) for x in ends], look, f"exponent {law.exponent:.2f}")
         panels.append(Panel([measured, line], "unknowns", label, logarithmic="xy"))
     draw_panels(path, [panels], (8.6, 3.8), INSIDE)

@@ -5,10 +5,11 @@ Times are wall seconds of this machine in this run; ratios are what to carry ove
 
 from __future__ import annotations
 
+import math
 import time
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from mpi4py import MPI
@@ -21,141 +22,103 @@ from solvers.paths.records import PathSettings
 from solvers.paths.warm_start import follow_guesses
 from solvers.problem import Problem
 from solvers.state import State
+from studies.engine import Page, Setting, Solved, Study, first
 from studies.models.build import revolve_state, scene_problem
+from studies.report.tables import table_of
 from studies.results import provenance
-from studies.results.rows import Row, row, write_rows
+from studies.results.rows import row
 from studies.scene.bellows import BellowsScene
+from studies.scene.files import load_bellows
 from studies.scene.meshes import scene_body, scene_meridian
 
-# Of the 2 mm actuator in hexahedra: about 150,000 unknowns.
-AROUND: Final = 16
-# Cells round the circumference of the body that is solved to all pressures, warm and cold.
-AROUND_PATH: Final = 8
 REPETITIONS: Final = 5
+# A number and its unit, by name.
+Numbers = dict[str, tuple[float, str]]
 
 
 @dataclass(frozen=True)
-class Costs:
-    """Costs of one iteration on one body.
+class Case:
+    """A scene, cells round the body that is measured, and round the one that is solved to all pressures."""
 
-    Attributes
-    ----------
-    unknowns, cells
-        Size.
-    tangent_s, factor_s, solve_s, residual_s, checks_s
-        One tangent assembly, factorisation, solve, residual with load, and look at all quadrature points; medians.
-    iteration_s
-        One whole Newton iteration with a new factor, the stability count taken as one of them: median.
-    """
-
-    unknowns: int
-    cells: int
-    tangent_s: float
-    factor_s: float
-    solve_s: float
-    residual_s: float
-    checks_s: float
-    iteration_s: float
+    scene: BellowsScene
+    around: int
+    around_path: int
 
     @property
-    def iteration_over_parts(self) -> float:
-        """Newton iteration over one tangent and one factorisation."""
-        return self.iteration_s / (self.tangent_s + self.factor_s)
-
-    def tangent_us_per_cell(self, ranks: int) -> float:
-        """Microseconds of one core for a cell's share of the tangent; assembly runs on one core of each rank."""
-        return 1e6 * self.tangent_s * ranks / self.cells
+    def name(self) -> str:
+        """The scene's."""
+        return self.scene.name
 
 
-@dataclass(frozen=True)
-class Starts:
-    """The path to all requested pressures from warm and from cold.
+def cases(options: Mapping[str, Any]) -> list[Case]:
+    """The 2 mm actuator in hexahedra: about 150,000 unknowns, and half as many for the path."""
+    return [Case(load_bellows(provenance.ROOT / "scenes" / "heung-t2-ri5.toml"), around=16, around_path=8)]
 
-    Attributes
-    ----------
-    warm_s, cold_s
-        Seconds from the axisymmetric states (their own path included) and from the unloaded body.
-    warm_factorisations, cold_factorisations
-        Factorisations of the full body.
-    difference_mm
-        Largest difference of the displacements at the last pressure.
-    """
 
-    warm_s: float
-    cold_s: float
-    warm_factorisations: int
-    cold_factorisations: int
-    difference_mm: float
+def solve(case: Case, at: Setting) -> Numbers:
+    """All measurements; every rank calls."""
+    return {**iteration_costs(case.scene, case.around, at.comm), **start_costs(case.scene, case.around_path, at.comm)}
 
 
 def axisymmetric_states(scene: BellowsScene) -> list[State]:
-    """States of the axisymmetric path on the coarsest level at the requested pressures; rank 0 solves."""
-    found: list[State] | None = None
-    if MPI.COMM_WORLD.rank == 0:
-        problem = scene_problem(scene, scene_meridian(scene, 1), MPI.COMM_SELF)
-        factor = Factor(problem)
-        path = follow_path(problem, factor, scene.pressures_mpa, PathSettings())
-        factor.close()
-        found = [item.state for item in path.states if item.asked]
-    states: list[State] = MPI.COMM_WORLD.bcast(found)
-    return states
+    """States of the axisymmetric path on the coarsest level at the requested pressures; one rank solves."""
+    problem = scene_problem(scene, scene_meridian(scene, 1), MPI.COMM_SELF)
+    factor = Factor(problem)
+    path = follow_path(problem, factor, scene.pressures_mpa, PathSettings())
+    factor.close()
+    return [item.state for item in path.states if item.asked]
 
 
-def _body(scene: BellowsScene, around: int) -> tuple[Problem, list[State]]:
-    comm = MPI.COMM_WORLD
+def _body(scene: BellowsScene, around: int, comm: MPI.Comm) -> tuple[Problem, list[State]]:
+    """A body, and its states revolved from the axisymmetric ones."""
     meridian = scene_meridian(scene, 1)
     body = scene_body(meridian, "full3d", around)
-    guesses = [revolve_state(state, meridian, body) for state in axisymmetric_states(scene)]
+    states = first(comm, lambda: axisymmetric_states(scene))
+    guesses = [revolve_state(state, meridian, body) for state in states]
     return scene_problem(scene, body if comm.rank == 0 else None, comm), guesses
 
 
-def measure_costs(scene: BellowsScene, around: int = AROUND) -> Costs:
-    """Costs of one iteration at the second requested pressure of a scene."""
-    problem, guesses = _body(scene, around)
+def iteration_costs(scene: BellowsScene, around: int, comm: MPI.Comm) -> Numbers:
+    """What each part of an iteration takes at the second requested pressure of a scene, and a whole one.
+
+    That is, with a new factor each, one tangent assembly, factorisation, solve, residual with load, and look at all
+    quadrature points; the stability count is taken as an iteration. Assembly runs on one core of each rank.
+    """
+    problem, guesses = _body(scene, around, comm)
     factor = Factor(problem)
-    solve_equilibrium_at(problem, factor, guesses[1])
+    problem.set_state(guesses[1])
+    solve_equilibrium(problem, factor, NewtonSettings(), HeldLoad(guesses[1].load_mpa))
     here = problem.get_state()
-
-    def iteration() -> None:
-        # never a factor twice: so many tangents, factorisations, solves as iterations, and once more for the count
-        problem.set_state(here)
-        pressure = 1.01 * here.load_mpa
-        solve_equilibrium(problem, factor, NewtonSettings(reuse_below=0.0), HeldLoad(pressure))
-
-    before = dict(problem.timer.seconds)
-    counts = factor.count
-    iterations = []
+    before, counts, iterations = dict(problem.timer.seconds), factor.count, []
     for _ in range(REPETITIONS):
         start = time.perf_counter()
-        iteration()
+        problem.set_state(here)
+        # never a factor twice: so many tangents, factorisations, solves as iterations, and once more for the count
+        settings = NewtonSettings(reuse_below=0.0)
+        solve_equilibrium(problem, factor, settings, HeldLoad(1.01 * here.load_mpa))
         iterations.append((time.perf_counter() - start, factor.count - counts))
         counts = factor.count
-    spent = {name: problem.timer.seconds[name] - before.get(name, 0.0) for name in problem.timer.seconds}
-    factorisations = sum(count for _, count in iterations)
-    costs = Costs(
-        unknowns=problem.index_map.size_global + problem.extra,
-        cells=problem.domain.cells,
-        tangent_s=spent["tangent"] / factorisations,
-        factor_s=spent["factor"] / factorisations,
-        solve_s=spent["solve"] / factorisations,
-        residual_s=spent["residual"] / factorisations,
-        checks_s=spent["checks"] / factorisations,
-        iteration_s=float(np.median([seconds / count for seconds, count in iterations])),
-    )
     factor.close()
-    return costs
+    number = sum(count for _, count in iterations)
+    spent = {name: (seconds - before.get(name, 0.0)) / number for name, seconds in problem.timer.seconds.items()}
+    iteration = float(np.median([seconds / count for seconds, count in iterations]))
+    return {
+        "unknowns": (float(problem.index_map.size_global + problem.extra), "1"),
+        "tangent": (spent["tangent"], "s"),
+        "tangent_per_cell_and_core": (1e6 * spent["tangent"] * comm.size / problem.domain.cells, "us/cell"),
+        "factorisation": (spent["factor"], "s"),
+        "solve": (spent["solve"], "s"),
+        "residual": (spent["residual"], "s"),
+        "checks": (spent["checks"], "s"),
+        "newton_iteration": (iteration, "s"),
+        "newton_iteration_over_tangent_and_factorisation": (iteration / (spent["tangent"] + spent["factor"]), "1"),
+    }
 
 
-def solve_equilibrium_at(problem: Problem, factor: Factor, guess: State) -> None:
-    """Equilibrium at a guess's pressure."""
-    problem.set_state(guess)
-    solve_equilibrium(problem, factor, NewtonSettings(), HeldLoad(guess.load_mpa))
-
-
-def measure_starts(scene: BellowsScene, around: int = AROUND_PATH) -> Starts:
-    """The path of the full body from the axisymmetric states and from zero."""
+def start_costs(scene: BellowsScene, around: int, comm: MPI.Comm) -> Numbers:
+    """The path of the full body from the axisymmetric states, their own path included, and from zero."""
     begin = time.perf_counter()
-    problem, guesses = _body(scene, around)
+    problem, guesses = _body(scene, around, comm)
     factor = Factor(problem)
     warm = follow_guesses(problem, factor, guesses, PathSettings())
     warm_s, warm_count = time.perf_counter() - begin, factor.count
@@ -164,49 +127,45 @@ def measure_starts(scene: BellowsScene, around: int = AROUND_PATH) -> Starts:
     cold_s, cold_count = time.perf_counter() - begin, factor.count - warm_count
     factor.close()
     last = [path.states[-1].state.displacement_mm for path in (warm, cold)]
-    return Starts(warm_s, cold_s, warm_count, cold_count, float(np.abs(last[0] - last[1]).max()))
-
-
-def run(scene: BellowsScene, folder: Path) -> list[str]:
-    """Measure, write rows.csv on rank 0, and return the lines to print."""
-    comm = MPI.COMM_WORLD
-    threads = provenance.blas_threads()
-    cores = comm.size * threads
-    costs = measure_costs(scene)
-    starts = measure_starts(scene)
-    rows = _rows(scene, costs, starts, cores)
-    if comm.rank == 0:
-        folder.mkdir(parents=True, exist_ok=True)
-        write_rows(folder / f"rows-{comm.size}x{threads}.csv", rows)
-    return [
-        f"{comm.size} rank(s) x {threads} BLAS thread(s), {provenance.blas()}",
-        f"{scene.name}, hexahedra, {AROUND} cells round: {costs.unknowns} unknowns, {costs.cells} cells",
-        f"  tangent {costs.tangent_s:.2f} s ({costs.tangent_us_per_cell(comm.size):.0f} us per cell and core), "
-        f"factorisation {costs.factor_s:.2f} s, solve {costs.solve_s:.2f} s, residual {costs.residual_s:.2f} s, "
-        f"checks {costs.checks_s:.2f} s",
-        f"  Newton iteration {costs.iteration_s:.2f} s = {costs.iteration_over_parts:.2f} x (tangent + factorisation)",
-        f"  {AROUND_PATH} cells round, {len(scene.pressures_mpa)} pressures: warm start {starts.warm_s:.1f} s, "
-        f"{starts.warm_factorisations} factorisations; cold start {starts.cold_s:.1f} s, "
-        f"{starts.cold_factorisations} factorisations; ratio {starts.cold_s / starts.warm_s:.1f}; "
-        f"largest difference {starts.difference_mm:.1e} mm",
-    ]
-
-
-def _rows(scene: BellowsScene, costs: Costs, starts: Starts, cores: int) -> list[Row]:
-    values = {
-        "unknowns": (float(costs.unknowns), "1"),
-        "tangent": (costs.tangent_s, "s"),
-        "factorisation": (costs.factor_s, "s"),
-        "solve": (costs.solve_s, "s"),
-        "newton_iteration": (costs.iteration_s, "s"),
-        "newton_iteration_over_tangent_and_factorisation": (costs.iteration_over_parts, "1"),
-        "warm_start": (starts.warm_s, "s"),
-        "cold_start": (starts.cold_s, "s"),
-        "time_ratio_cold_to_warm": (starts.cold_s / starts.warm_s, "1"),
-        "warm_factorisations": (float(starts.warm_factorisations), "1"),
-        "cold_factorisations": (float(starts.cold_factorisations), "1"),
+    return {
+        "warm_start": (warm_s, "s"),
+        "cold_start": (cold_s, "s"),
+        "time_ratio_cold_to_warm": (cold_s / warm_s, "1"),
+        "warm_factorisations": (float(warm_count), "1"),
+        "cold_factorisations": (float(cold_count), "1"),
+        "largest_difference": (float(np.abs(last[0] - last[1]).max()), "mm"),
     }
-    return [
-        row(scene.name, quantity, unit, float("nan"), "full3d", value, level=f"{cores} cores")
-        for quantity, (value, unit) in values.items()
+
+
+def page(solved: Sequence[Solved[Case, Numbers]], at: Setting) -> Page:
+    """What each part took; the rows also in a file of these ranks and threads, to be compared with others."""
+    ranks, threads = at.comm.size, provenance.blas_threads()
+    rows = [
+        row(done.case.name, quantity, unit, math.nan, "full3d", value, f"{ranks * threads} cores")
+        for done in solved
+        for quantity, (value, unit) in done.result.items()
     ]
+    columns = {
+        "what": lambda r: r.quantity.replace("_", " "),
+        "value": lambda r: f"{r.value:.3g}" if r.value < 1000.0 else f"{r.value:.0f}",
+        "unit": lambda r: r.unit.removeprefix("1"),
+    }
+    content = {
+        "cases": [done.case for done in solved],
+        "ranks": ranks,
+        "threads": threads,
+        "numbers": table_of(rows, columns, (0, 2)),
+    }
+    return Page(rows, content, tables={f"rows-{ranks}x{threads}.csv": rows})
+
+
+STUDY: Final = Study(
+    name="benchmark-solver",
+    title="What the solver's parts cost on a full body",
+    question="What do tangent, factorisation, Newton iteration, warm and cold start of a full body take here?",
+    template="cost/solver_benchmark.md.j2",
+    cases=cases,
+    solve=solve,
+    page=page,
+    share="all",
+)

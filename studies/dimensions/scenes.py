@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
@@ -17,25 +18,28 @@ from meshes.errors import GeometryError
 from studies.results.files import write_text_atomically
 from studies.scene.bellows import BellowsScene, shape_of
 
+# What every scene here has.
+COLLAR_MM, CAP_MM, SEAT_MM, RING_HEIGHT_MM, FILLET_MM = 3.0, 5.0, 4.0, 2.0, 0.5
+FITTINGS: Final = Fittings(CAP_MM, COLLAR_MM, SEAT_MM, RING_HEIGHT_MM)
 # Column of the comments in a scene file.
 _COMMENT = 28
 
-_CHOSEN = """\
-collar_mm = 3.0
-fillet_mm = 0.5
+_CHOSEN = f"""\
+collar_mm = {COLLAR_MM}
+fillet_mm = {FILLET_MM}
 tip = "cap"                 # cap | rigid (a plate)
-cap_mm = 5.0
+cap_mm = {CAP_MM}
 
 [rings]
 model = "auto"              # auto: rigid unless the tolerance needs them meshed | rigid | meshed | none
 material = "pla"            # pla | polyethylene (for their mass, and when meshed)
-seat_mm = 4.0
+seat_mm = {SEAT_MM}
 bond = "rigid"              # rigid | adhesive: a layer, see bond_normal_mpa_per_mm in studies/scene/bellows.py
-height_mm = 2.0
+height_mm = {RING_HEIGHT_MM}
 edge_radius_mm = 0.5
 """
 
-_ASKED = """\
+_REQUESTED = """\
 [mesh]
 element = "auto"            # hex | tet (as in the paper) | auto: hex unless the rings are meshed
 
@@ -82,7 +86,7 @@ def scene_text(actuator: PaperActuator, label: str) -> str:
         f"{alternate}"
         f'name = "{actuator.name}"\n\n[geometry]\nkind = "bellows"\nprofile = "arcs"\n'
         + "".join(_line(f"{key} = {_number(value)}", comment) for key, value, comment in lines)
-        + f"{_CHOSEN}\n{_material(actuator)}\n{_ASKED}"
+        + f"{_CHOSEN}\n{_material(actuator)}\n{_REQUESTED}"
     )
 
 
@@ -100,17 +104,6 @@ def write_scenes(folder: Path, families: tuple[InferredFamily, ...]) -> tuple[Pa
             write_text_atomically(path, scene_text(actuator, family.label))
             written.append(path)
     return tuple(written)
-
-
-def standard_fittings() -> Fittings:
-    """Cap, collars, seats and rings that every scene here has."""
-    scene = scene_of(actuators()[0])
-    return Fittings(
-        cap_mm=scene.geometry.cap_mm,
-        collar_mm=scene.geometry.collar_mm,
-        seat_mm=scene.rings.seat_mm,
-        ring_height_mm=scene.rings.height_mm,
-    )
 
 
 def buildable(members: Members) -> BoolArray:

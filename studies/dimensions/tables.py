@@ -1,189 +1,255 @@
-"""Tables and sentences of the study of the unprinted dimensions; lengths in mm, elongations in mm, masses in g."""
+"""Tables of the study of the unprinted dimensions; lengths in mm, elongations in mm, masses in g."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Final, TypeVar
 
 import numpy as np
 
 from analytical.arrays import BoolArray
-from analytical.bellows.chains import closed_form
-from analytical.bellows.fit.masses import MASS_WITHIN, rings_g, silicone_g
+from analytical.bellows.fit.masses import mass_allowed, rings_g, silicone_g
 from analytical.bellows.fit.members import ORDERS, SILICONES, TEXT_ORDER, Members, wall_stretch
-from analytical.bellows.fit.refine import refine
-from analytical.bellows.paper import PRINTED_MASS_G, PRINTED_PRESSURE_KPA, InferredFamily, PaperActuator
+from analytical.bellows.paper import PRINTED_PRESSURE_KPA, PaperActuator
 from analytical.bellows.reading import CORRECTED
-from studies.closed_form.tables import CHAINS
-from studies.dimensions.fit import (
-    ACTUATORS,
-    DimensionStudy,
-    Prediction,
-    RuleOnGrid,
-    extremes,
-    rest_length_mm,
-    unfolding_kpa,
-)
-from studies.report.numbers import MISSING, signed
-from studies.report.tables import Table
+from studies.closed_form.chains import CHAINS, path_of, printed_mm
+from studies.dimensions.fit import ACTUATORS, SET_NAMES, ChainFit, Fit, PickedSet, RuleOnGrid, each
+from studies.dimensions.predictions import Prediction, rest_length_mm, unfolding_kpa
+from studies.dimensions.rows import extremes
+from studies.dimensions.scenes import FITTINGS, buildable
+from studies.report.numbers import MISSING, signed, typeset
+from studies.report.tables import Table, table_of
 
-SET_NAMES = ("reference", "alternate a", "alternate b")
+T = TypeVar("T")
+# A set, of one member.
+_MEMBER: Final[Mapping[str, Callable[[Members], str]]] = {
+    "Dragon Skin": lambda m: silicones_text(m.silicone[0]),
+    "R_p, mm": lambda m: f"{m.crest_radius_mm[0]:.4g}",
+    "larger R_i, mm": lambda m: f"{m.larger_root_radius_mm[0]:.4g}",
+    "e, mm": lambda m: f"{m.half_pitch_mm[0]:.4g}",
+    "n": lambda m: f"{m.convolutions[0]}",
+    "worst error, %": lambda m: f"{100.0 * m.worst_error[0]:.2f}",
+}
+_LENGTHS: Final = dict(list(_MEMBER.items())[1:])
 
 
-def sets(study: DimensionStudy) -> Table:
+def _of_part(
+    member: Callable[[T], Members], columns: Mapping[str, Callable[[Members], str]]
+) -> dict[str, Callable[[T], str]]:
+    """Columns of a member, which may be none, for records that have one."""
+
+    def column(text: Callable[[Members], str]) -> Callable[[T], str]:
+        return lambda record: text(member(record)) if len(member(record)) else MISSING
+
+    return {header: column(text) for header, text in columns.items()}
+
+
+def silicones_text(silicone: Sequence[int]) -> str:
+    """Silicones of the four actuators in short."""
+    return ", ".join(SILICONES[s].removeprefix("dragon-skin-") for s in silicone)
+
+
+def sets(found: Fit) -> Table:
     """The picked sets, a line each."""
-    stretch = wall_stretch(study.picks.sets).max(axis=1)
-    length = rest_length_mm(study.picks.sets, study.fittings)[:, 0]
-    mean_g = study.meshed_g.mean(axis=1)
-    lines = []
-    unfolded_at = unfolding_kpa(study.picks.sets)
-    for k, (name, of_set) in enumerate(zip(SET_NAMES, study.actuators, strict=True)):
-        unfolded = [a.name for a, kpa in zip(of_set, unfolded_at[k], strict=True) if kpa <= PRINTED_PRESSURE_KPA]
-        lines.append(
-            (
-                name,
-                *_member_cells(study.picks.sets, k),
-                f"{stretch[k]:.2f}",
-                f"{length[k]:g}",
-                f"{mean_g[k, 0]:.1f}",
-                f"{mean_g[k].sum():.1f}",
-                ", ".join(unfolded) or "none",
-            )
-        )
-    header = ("largest wall stretch", "length at rest, mm", "mean silicone, g", "with rings, g", "unfolded at 20 kPa")
-    return Table(("set", *_MEMBER_HEADER, *header), tuple(lines), left=(0, 1, 5 + len(header) + 2))
+
+    def unfolded(of_set: PickedSet) -> str:
+        at_kpa = unfolding_kpa(of_set.member)[0]
+        names = [a.name for a, kpa in zip(of_set.actuators, at_kpa, strict=True) if kpa <= PRINTED_PRESSURE_KPA]
+        return ", ".join(names) or "none"
+
+    columns: dict[str, Callable[[PickedSet], str]] = {
+        "set": lambda s: s.name,
+        **_of_part(lambda s: s.member, _MEMBER),
+        "largest wall stretch": lambda s: f"{wall_stretch(s.member).max():.2f}",
+        "length at rest, mm": lambda s: f"{rest_length_mm(s.member)[0, 0]:g}",
+        "mean silicone, g": lambda s: f"{s.meshed_g[:, 0].mean():.1f}",
+        "with rings, g": lambda s: f"{s.meshed_g.mean(axis=0).sum():.1f}",
+        "unfolded at 20 kPa": unfolded,
+    }
+    return table_of(found.sets, columns, left=(0, 1, len(columns) - 1))
 
 
-def fitted(study: DimensionStudy) -> Table:
+Picked = tuple[PickedSet, PaperActuator]
+
+
+def picked(found: Fit) -> list[Picked]:
+    """The twelve actuators, each with its set."""
+    return [(of_set, actuator) for of_set in found.sets for actuator in of_set.actuators]
+
+
+_NAMES: Final[Mapping[str, Callable[[Picked], str]]] = {
+    "set": lambda p: p[0].name,
+    "actuator": lambda p: p[1].name,
+}
+
+
+def fitted(found: Fit) -> Table:
     """The twelve actuators: fitted number, other chains, what the paper has from ANSYS and experiment, mm at 20 kPa."""
-    lines = []
-    for name, of_set in zip(SET_NAMES, study.actuators, strict=True):
-        for actuator in of_set:
-            printed = actuator.printed
-            tips = {model: _tip(actuator, model) for model in CHAINS}
-            error = 100.0 * (tips["closed_form"][0] / (10.0 * printed.closed_form_cm) - 1.0)
-            lines.append(
-                (
-                    name,
-                    actuator.name,
-                    actuator.silicone.replace("dragon-skin-", ""),
-                    f"{10.0 * printed.closed_form_cm:g}",
-                    f"{tips['closed_form'][0]:.1f}",
-                    signed(error),
-                    _with_state(*tips["closed_form_printed"]),
-                    _with_state(*tips["closed_form_balanced"]),
-                    f"{10.0 * printed.ansys_cm:g}",
-                    f"{10.0 * printed.experiment_cm:g}",
-                )
-            )
-    header = (
-        "set",
-        "actuator",
-        "Dragon Skin",
-        "paper: closed form",
-        "corrected chain",
-        "error, %",
-        "printed chain",
-        "balanced chain",
-        "paper: ANSYS",
-        "paper: experiment",
-    )
-    return Table(header, tuple(lines), left=(0, 1))
+    columns: dict[str, Callable[[Picked], str]] = {
+        **_NAMES,
+        "Dragon Skin": lambda p: p[1].silicone.replace("dragon-skin-", ""),
+        "paper: closed form": lambda p: f"{printed_mm(p[1])['paper_closed_form']:g}",
+        "corrected chain": lambda p: _tip(p[1], "closed_form"),
+        "error, %": lambda p: signed(100.0 * _error(p[1])),
+        "printed chain": lambda p: _tip(p[1], "closed_form_printed"),
+        "balanced chain": lambda p: _tip(p[1], "closed_form_balanced"),
+        "paper: ANSYS": lambda p: f"{printed_mm(p[1])['paper_ansys']:g}",
+        "paper: experiment": lambda p: f"{printed_mm(p[1])['paper_experiment']:g}",
+    }
+    return table_of(picked(found), columns, left=(0, 1))
 
 
-def saturation(study: DimensionStudy) -> Table:
+def _tip(actuator: PaperActuator, model: str) -> str:
+    """Elongation at 20 kPa by a chain."""
+    path = path_of(actuator, CHAINS[model], [PRINTED_PRESSURE_KPA])
+    state = " (folded back)" if path.state[0] == "past the model" else ""
+    return f"{typeset(float(path.elongation_mm[0]), '.1f', 'no real value')}{state}"
+
+
+def _error(actuator: PaperActuator) -> float:
+    """Of the corrected chain from the printed closed form, relative."""
+    tip_mm = float(path_of(actuator, CORRECTED, [PRINTED_PRESSURE_KPA]).elongation_mm[0])
+    return tip_mm / printed_mm(actuator)["paper_closed_form"] - 1.0
+
+
+def saturation(found: Fit) -> Table:
     """Which numbers at 20 kPa rest on the root being held at full unfolding, and what they were without."""
-    without = replace(CORRECTED, folds_back=True)
+
+    def unfolds_kpa(actuator: PaperActuator) -> float:
+        return float(path_of(actuator, CORRECTED).unfolding_pressure_kpa[0])
+
+    def without_mm(actuator: PaperActuator) -> str:
+        if unfolds_kpa(actuator) > PRINTED_PRESSURE_KPA:
+            return MISSING
+        free = path_of(actuator, replace(CORRECTED, folds_back=True), [PRINTED_PRESSURE_KPA])
+        return typeset(float(free.elongation_mm[0]), ".1f", "no real value")
+
+    shares = 100.0 * np.mean(unfolding_kpa(found.members) <= PRINTED_PRESSURE_KPA, axis=0)
     lines = []
-    kpa = unfolding_kpa(study.picks.sets)
-    shares = np.mean(unfolding_kpa(study.members) <= PRINTED_PRESSURE_KPA, axis=0)
     for j, what in enumerate(ACTUATORS):
-        cells: list[str] = []
-        for k, of_set in enumerate(study.actuators):
-            actuator = of_set[j]
-            rests = kpa[k, j] <= PRINTED_PRESSURE_KPA
-            free = closed_form(actuator.dimensions, actuator.law, PRINTED_PRESSURE_KPA, without).elongation_mm[0]
-            cells += [f"{kpa[k, j]:.1f}", _mm(float(free)) if rests else MISSING]
-        printed_mm = 10.0 * study.actuators[0][j].printed.closed_form_cm
-        lines.append((what, f"{printed_mm:g}", *cells, f"{100.0 * shares[j]:.1f}"))
+        of_sets = [of_set.actuators[j] for of_set in found.sets]
+        cells = (cell for a in of_sets for cell in (f"{unfolds_kpa(a):.1f}", without_mm(a)))
+        lines.append((what, f"{printed_mm(of_sets[0])['paper_closed_form']:g}", *cells, f"{shares[j]:.1f}"))
     header = [f"{name}: {text}" for name in SET_NAMES for text in ("unfolds at, kPa", "without the rule, mm")]
     return Table(("actuator", "printed, mm", *header, "of all that fit, %"), tuple(lines))
 
 
-def found(study: DimensionStudy) -> Table:
-    """What fits, by silicones: how many, after which filter, and the best continuous set."""
+def masses(found: Fit) -> Table:
+    """Masses of the picked sets: the estimate that the criterion uses, the meshed outline, the rings."""
     lines = []
-    every = study.fitting
+    for of_set in found.sets:
+        estimate = silicone_g(of_set.member, FITTINGS)[0]
+        grams = np.column_stack([estimate, of_set.meshed_g, of_set.meshed_g.sum(axis=1)])
+        names = [*(actuator.name for actuator in of_set.actuators), "mean of the four"]
+        for name, line in zip(names, [*grams, grams.mean(axis=0)], strict=True):
+            lines.append((of_set.name, name, *(f"{g:.1f}" for g in line)))
+    header = ("set", "actuator", "silicone, estimate", "silicone, outline", "rings", "outline and rings")
+    return Table(header, tuple(lines), left=(0, 1))
+
+
+def what_fits(found: Fit) -> Table:
+    """What fits, by silicones: how many, after which filter, and the best continuous set."""
+    every, drawn = found.fitting, found.picks.drawn
+    counts = ("fit", "mass allowed", "also with rings", "on the 0.5 mm grid", "of these buildable")
+    best_of = ("n that fit", *(f"best: {text}" for text in _LENGTHS), "its silicone (estimate), g", "with rings, g")
+    lines = []
     for silicone in np.unique(every.silicone, axis=0):
-        mask = np.all(every.silicone == silicone, axis=1)
-        drawn = np.all(study.picks.drawn.silicone == silicone, axis=1)
-        best = study.refined.take(np.all(study.refined.silicone == silicone, axis=1))
-        silicone_mass, ring_mass = (of(best, study.fittings)[0].mean() for of in (silicone_g, rings_g))
+        best = found.refined.take(of_silicone(found.refined, silicone))
+        silicone_mass, ring_mass = (of(best, FITTINGS)[0].mean() for of in (silicone_g, rings_g))
         lines.append(
             (
-                _silicones(every, int(np.flatnonzero(mask)[0])),
-                *_counts(study, mask, drawn),
+                silicones_text(silicone),
+                *_counts(found, of_silicone(every, silicone), of_silicone(drawn, silicone)),
                 f"{best.convolutions.min()} to {best.convolutions.max()}",
-                *_member_cells(best, 0)[1:],
+                *(text(best) for text in _LENGTHS.values()),
                 f"{silicone_mass:.1f}",
                 f"{silicone_mass + ring_mass:.1f}",
             )
         )
-    everything, all_drawn = np.full(len(every), True), np.full(len(study.picks.drawn), True)
-    total = ("all", *_counts(study, everything, all_drawn))
-    header = (
-        "Dragon Skin",
-        "fit",
-        "mass allowed",
-        "also with rings",
-        "on the 0.5 mm grid",
-        "of these buildable",
-        "n that fit",
-        *(f"best: {text}" for text in _MEMBER_HEADER[1:]),
-        "its silicone (estimate), g",
-        "with rings, g",
-    )
-    lines.append((*total, *[""] * (len(header) - len(total))))
-    return Table(header, tuple(lines))
+    total = _counts(found, np.full(len(every), True), np.full(len(drawn), True))
+    lines.append(("all", *total, *[""] * len(best_of)))
+    return Table(("Dragon Skin", *counts, *best_of), tuple(lines))
 
 
-def candidates(study: DimensionStudy) -> Table:
+def of_silicone(members: Members, silicone: Sequence[int]) -> BoolArray:
+    """Which members have this choice of silicones, (m,)."""
+    return np.asarray(np.all(members.silicone == silicone, axis=1))
+
+
+def _counts(found: Fit, fitting: BoolArray, drawn: BoolArray) -> tuple[str, ...]:
+    allowed = fitting & found.allowed
+    counts = (fitting, allowed, allowed & found.allowed_with_rings, drawn, drawn & found.picks.admissible)
+    return tuple(f"{np.count_nonzero(count)}" for count in counts)
+
+
+def candidates(found: Fit) -> Table:
     """Sets on the drawing's grid with one silicone per wall thickness, by wall stretch."""
-    mask = study.picks.drawn.one_silicone_per_wall
-    members = study.picks.drawn.take(mask)
-    stretch = wall_stretch(members).max(axis=1)
-    mean_silicone, mean_rings = (of(members, study.fittings).mean(axis=1) for of in (silicone_g, rings_g))
-    lines = []
-    for i in np.lexsort((members.worst_error, np.round(stretch, 9))):
-        allowed, built = study.picks.allowed[mask][i], study.picks.buildable[mask][i]
-        chosen = next((n for n, f in zip(SET_NAMES, study.picks.families, strict=True) if _is(members, int(i), f)), "")
-        lines.append(
-            (
-                *_member_cells(members, int(i)),
-                f"{stretch[i]:.3f}",
-                f"{mean_silicone[i]:.1f}{'' if allowed else ' (outside)'}",
-                f"{mean_silicone[i] + mean_rings[i]:.1f}",
-                "yes" if built else "no",
-                chosen,
-            )
-        )
-    header = ("largest wall stretch", "silicone (estimate), g", "with rings, g", "buildable", "picked as")
-    return Table((*_MEMBER_HEADER, *header), tuple(lines), left=(0, len(_MEMBER_HEADER) + 3, len(_MEMBER_HEADER) + 4))
+    members = found.picks.drawn.take(found.picks.drawn.one_silicone_per_wall)
+    stretch = np.round(wall_stretch(members).max(axis=1), 9)
+    families = dict(zip(SET_NAMES, found.picks.families, strict=True))
+
+    def estimate(member: Members) -> str:
+        mass_g = silicone_g(member, FITTINGS)
+        return f"{mass_g.mean():.1f}{'' if mass_allowed(mass_g)[0] else ' (outside)'}"
+
+    def picked_as(member: Members) -> str:
+        return next((name for name, f in families.items() if member.family(0, f.label) == f), "")
+
+    columns: dict[str, Callable[[Members], str]] = {
+        **_MEMBER,
+        "largest wall stretch": lambda m: f"{wall_stretch(m).max():.3f}",
+        "silicone (estimate), g": estimate,
+        "with rings, g": lambda m: f"{silicone_g(m, FITTINGS).mean() + rings_g(m, FITTINGS).mean():.1f}",
+        "buildable": lambda m: "yes" if buildable(m)[0] else "no",
+        "picked as": picked_as,
+    }
+    by_stretch = members.take(np.lexsort((members.worst_error, stretch)))
+    return table_of(each(by_stretch), columns, left=(0, len(columns) - 2, len(columns) - 1))
 
 
-def rules(study: DimensionStudy) -> Table:
+def rules(found: Fit) -> Table:
     """What the rule picks on finer grids."""
-    lines = []
-    for rule in study.rules:
-        for what, index in (("any shape", rule.any_shape), ("buildable", rule.buildable)):
-            cells = _rule_cells(rule, index)
-            lines.append((f"{rule.step_mm:g}", what, f"{len(rule.candidates)}", *cells))
-    header = ("step, mm", "filter", "candidates", *_MEMBER_HEADER[1:], "largest wall stretch")
-    return Table(header, tuple(lines), left=(1,))
+    columns: dict[str, Callable[[RuleOnGrid], str]] = {
+        "step, mm": lambda r: f"{r.step_mm:g}",
+        "filter": lambda r: r.shapes,
+        "candidates": lambda r: f"{r.candidates}",
+        **_of_part(lambda r: r.pick, {**_LENGTHS, "largest wall stretch": lambda m: f"{wall_stretch(m).max():.3f}"}),
+    }
+    return table_of(found.rules, columns, left=(1,))
 
 
-def spread(study: DimensionStudy, predicted: tuple[Prediction, ...]) -> Table:
+def chains(found: Fit) -> Table:
+    """The same search and rule with other chains; the corrected chain first."""
+
+    def in_order(fit: ChainFit) -> Members:
+        return fit.members.take(fit.members.order == TEXT_ORDER)
+
+    def others(fit: ChainFit) -> str:
+        return "; ".join(str(ORDERS[k]) for k in np.unique(fit.members.order) if k != TEXT_ORDER) or "none"
+
+    columns: dict[str, Callable[[ChainFit], str]] = {
+        "chain": lambda f: f.label,
+        "sets that fit": lambda f: f"{len(f.members)}",
+        "in the order of the text": lambda f: f"{len(in_order(f))}",
+        "of these one silicone per wall": lambda f: f"{np.count_nonzero(in_order(f).one_silicone_per_wall)}",
+        "other orders that fit": others,
+        "best in the order of the text": lambda f: _in_one_cell(f.best, "none fits"),
+        "the same rule picks": lambda f: _in_one_cell(f.pick, "nothing"),
+    }
+    return table_of(found.chains, columns, left=(0, 4, 5, 6))
+
+
+def _in_one_cell(member: Members, none: str) -> str:
+    if not len(member):
+        return none
+    silicones, crest, root, pitch, n, error = (text(member) for text in _MEMBER.values())
+    return f"({silicones}) R_p = {crest}, R_i = {root}, e = {pitch}, n = {n}: {error} %"
+
+
+def spread(found: Fit, predicted: Sequence[Prediction]) -> Table:
     """Predictions that were not fitted: the picked sets, and the range over all that fit."""
-    with_rings = study.members_allowed_with_rings
+    with_rings = found.members_allowed_with_rings
     lines = []
     for prediction in predicted:
         q = prediction.quantity
@@ -196,225 +262,16 @@ def spread(study: DimensionStudy, predicted: tuple[Prediction, ...]) -> Table:
                     ACTUATORS[j] if q.per_actuator else "all four",
                     *(_three(value) for value in prediction.picks[:, j]),
                     f"{_three(low)} to {_three(high)}",
-                    _factor(high / low),
+                    factor(high / low),
                     " to ".join(_three(value) for value in extremes(values[with_rings])),
                 )
             )
-    header = (
-        "quantity",
-        "actuator",
-        *SET_NAMES,
-        "all that fit",
-        "largest over smallest",
-        "mass allowed with rings too",
-    )
-    return Table(header, tuple(lines), left=(0, 1))
+    ranges = ("all that fit", "largest over smallest", "mass allowed with rings too")
+    return Table(("quantity", "actuator", *SET_NAMES, *ranges), tuple(lines), left=(0, 1))
 
 
-def chains(study: DimensionStudy) -> Table:
-    """The same search and rule with other chains; the corrected chain first."""
-    lines = [_chain_cells("corrected chain", study.fitting, study.refined, study.picks.sets.take(np.array([0])))]
-    for fit in study.chains:
-        text_order = fit.members.take(fit.members.order == TEXT_ORDER)
-        best = refine(text_order.take(np.argsort(text_order.worst_error)[:1]), fit.chain)
-        pick = None if fit.pick is None else fit.drawn.take(np.array([fit.pick]))
-        lines.append(_chain_cells(fit.chain.label, fit.members, best, pick))
-    header = (
-        "chain",
-        "sets that fit",
-        "in the order of the text",
-        "of these one silicone per wall",
-        "other orders that fit",
-        "best in the order of the text",
-        "the same rule picks",
-    )
-    return Table(header, tuple(lines), left=(0, 4, 5, 6))
-
-
-def masses(study: DimensionStudy) -> Table:
-    """Masses of the picked sets: the estimate that the criterion uses, the meshed outline, the rings."""
-    estimate = silicone_g(study.picks.sets, study.fittings)
-    lines = []
-    for k, (name, of_set) in enumerate(zip(SET_NAMES, study.actuators, strict=True)):
-        for j, actuator in enumerate(of_set):
-            meshed, rings = study.meshed_g[k, j]
-            lines.append((name, actuator.name, *(f"{g:.1f}" for g in (estimate[k, j], meshed, rings, meshed + rings))))
-        meshed, rings = study.meshed_g[k].mean(axis=0)
-        means = (estimate[k].mean(), meshed, rings, meshed + rings)
-        lines.append((name, "mean of the four", *(f"{g:.1f}" for g in means)))
-    header = ("set", "actuator", "silicone, estimate", "silicone, outline", "rings", "outline and rings")
-    return Table(header, tuple(lines), left=(0, 1))
-
-
-# --- sentences ------------------------------------------------------------------------------
-
-
-def mass_window() -> str:
-    """The allowed masses."""
-    low, high = _window_g()
-    return f"{low:.1f} to {high:.1f} g"
-
-
-def _window_g() -> tuple[float, float]:
-    return PRINTED_MASS_G * (1.0 - MASS_WITHIN), PRINTED_MASS_G * (1.0 + MASS_WITHIN)
-
-
-def verdict(study: DimensionStudy) -> str:
-    """Whether the rule gives what analytical/bellows/paper.py records."""
-    if study.picks.as_recorded:
-        return "The three sets are the ones that `analytical/bellows/paper.py` records."
-    return (
-        "**The rule picks other sets than `analytical/bellows/paper.py` records**: "
-        + "; ".join(f"{name}: {family}" for name, family in zip(SET_NAMES, study.picks.families, strict=True))
-        + ". Edit `REFERENCE_FAMILY` and `ALTERNATE_FAMILIES` there, or find out why."
-    )
-
-
-def runners_up(study: DimensionStudy) -> str:
-    """By how much the reference wins."""
-    admissible = study.picks.drawn.take(
-        study.picks.allowed & study.picks.buildable & study.picks.drawn.one_silicone_per_wall
-    )
-    stretch = np.sort(wall_stretch(admissible).max(axis=1))
-    if len(stretch) < 2:
-        return "No other set is left to choose from."
-    return (
-        f"{len(stretch)} of them may weigh what they do and can be built; the next after the reference has a wall "
-        f"stretch of {stretch[1]:.3f} against {stretch[0]:.3f}."
-    )
-
-
-def finer_grids(study: DimensionStudy) -> str:
-    """What the rule would win without a drawing's grid."""
-    first, *finer = study.rules
-    if first.buildable is None:
-        return "Nothing on the drawing's grid can be built."
-    reference = first.candidates.take(np.array([first.buildable]))
-    parts = []
-    for rule in finer:
-        if rule.buildable is None:
-            parts.append(f"steps of {rule.step_mm:g} mm give nothing that can be built")
-            continue
-        pick = rule.candidates.take(np.array([rule.buildable]))
-        gain = 100.0 * (1.0 - wall_stretch(pick).max() / wall_stretch(reference).max())
-        # the same number on both grids up to a step's round-off
-        parts.append(
-            f"steps of {rule.step_mm:g} mm give the same set"
-            if abs(gain) < 1e-6
-            else f"steps of {rule.step_mm:g} mm a wall stretch smaller by {gain:.1f} %, for an error of "
-            f"{100.0 * pick.worst_error[0]:.2f} %"
-        )
-    return f"Of what can be built, {'; '.join(parts)}."
-
-
-def orders(study: DimensionStudy) -> str:
-    """In which reading orders, and with how many choices of silicone, anything fits."""
-    used = np.unique(study.fitting.order)
-    choices = len(SILICONES) ** len(ACTUATORS)
-    without = choices - len(np.unique(study.fitting.silicone, axis=0))
-    if list(used) != [TEXT_ORDER]:
-        return f"Sets fit in these orders: {'; '.join(str(ORDERS[k]) for k in used)}."
-    return (
-        "**Every set that fits reads the pairs as the text does**: R_i = 5 mm has the larger number of each pair "
-        "(a larger root elongates less, says the text), which reverses the 2 mm pair. The other three orders, and "
-        f"{without} of the {choices} choices of silicone, do not fit at all."
-    )
-
-
-def differences(predicted: tuple[Prediction, ...]) -> str:
-    """By what factor the sets differ in what was not fitted, the worst actuator of each quantity."""
-    factors = [(p.members.max(axis=0) / p.members.min(axis=0)).max() for p in predicted]
-    texts = (f"{_factor(factor)} ({p.quantity.label})" for p, factor in zip(predicted, factors, strict=True))
-    return (
-        "Largest over smallest prediction among the sets that all meet the four numbers, for the actuator where it is "
-        f"most: {', '.join(texts)}."
-    )
-
-
-def single_masses(study: DimensionStudy) -> str:
-    """Which single actuators are outside the window that their mean is asked to be in."""
-    low, high = _window_g()
-    parts = []
-    for name, of_set, masses_g in zip(SET_NAMES, study.actuators, study.meshed_g, strict=True):
-        for what, mass in (("alone", masses_g[:, 0]), ("with rings", masses_g.sum(axis=1))):
-            outside = [a.name for a, g in zip(of_set, mass, strict=True) if not low <= g <= high]
-            if outside:
-                parts.append(f"{name}, silicone {what}: {', '.join(outside)}")
-    return f"Single actuators outside {mass_window()}: {'; '.join(parts) or 'none'}."
-
-
-# --- cells ----------------------------------------------------------------------------------
-
-_MEMBER_HEADER = ("Dragon Skin", "R_p, mm", "larger R_i, mm", "e, mm", "n", "worst error, %")
-
-
-def _member_cells(members: Members, index: int) -> tuple[str, ...]:
-    return (
-        _silicones(members, index),
-        f"{members.crest_radius_mm[index]:.4g}",
-        f"{members.larger_root_radius_mm[index]:.4g}",
-        f"{members.half_pitch_mm[index]:.4g}",
-        f"{members.convolutions[index]}",
-        f"{100.0 * members.worst_error[index]:.2f}",
-    )
-
-
-def _silicones(members: Members, index: int) -> str:
-    return ", ".join(SILICONES[s].removeprefix("dragon-skin-") for s in members.silicone[index])
-
-
-def _counts(study: DimensionStudy, mask: BoolArray, drawn: BoolArray) -> tuple[str, ...]:
-    built = drawn & study.picks.allowed & study.picks.buildable
-    counts = (mask, mask & study.allowed, mask & study.allowed & study.allowed_with_rings, drawn, built)
-    return tuple(f"{np.count_nonzero(count)}" for count in counts)
-
-
-def _is(members: Members, index: int, family: InferredFamily) -> bool:
-    return members.family(index, family.label) == family
-
-
-def _rule_cells(rule: RuleOnGrid, index: int | None) -> tuple[str, ...]:
-    if index is None:
-        return (MISSING,) * len(_MEMBER_HEADER)
-    stretch = wall_stretch(rule.candidates.take(np.array([index]))).max()
-    return (*_member_cells(rule.candidates, index)[1:], f"{stretch:.3f}")
-
-
-def _chain_cells(label: str, members: Members, best: Members, pick: Members | None) -> tuple[str, ...]:
-    in_text_order = members.order == TEXT_ORDER
-    others = [order for k, order in enumerate(ORDERS) if k != TEXT_ORDER and np.any(members.order == k)]
-    return (
-        label,
-        f"{len(members)}",
-        f"{np.count_nonzero(in_text_order)}",
-        f"{np.count_nonzero(in_text_order & members.one_silicone_per_wall)}",
-        "; ".join(map(str, others)) or "none",
-        _sentence(best) if len(best) else "none fits",
-        _sentence(pick) if pick is not None else "nothing",
-    )
-
-
-def _sentence(members: Members) -> str:
-    """The first of members, in one cell."""
-    silicones, crest, root, pitch, n, error = _member_cells(members, 0)
-    return f"({silicones}) R_p = {crest}, R_i = {root}, e = {pitch}, n = {n}: {error} %"
-
-
-def _tip(actuator: PaperActuator, model: str) -> tuple[float, str]:
-    """Elongation at 20 kPa, mm, and state of an actuator by a chain."""
-    path = closed_form(actuator.dimensions, actuator.law, PRINTED_PRESSURE_KPA, CHAINS[model])
-    return float(path.elongation_mm[0]), str(path.state[0])
-
-
-def _with_state(tip_mm: float, state: str) -> str:
-    return f"{_mm(tip_mm)}{' (folded back)' if state == 'past the model' else ''}"
-
-
-def _mm(value: float) -> str:
-    return "no real value" if np.isnan(value) else f"{value:.1f}".replace("-", "\N{MINUS SIGN}")
-
-
-def _factor(value: float) -> str:
+def factor(value: float) -> str:
+    """A factor in short."""
     return f"{value:.1f}" if value < 9.95 else f"{value:.0f}"
 
 

@@ -20,11 +20,11 @@ from meshes.bodies import (
     tube_meridian,
     ventricle_meridian,
 )
+from meshes.by_gmsh.user_mesh import read_user_mesh
 from meshes.cells import CellKind
 from meshes.solid import FACETS, FloatArray, SolidMesh
 from meshes.surface import surface_weights
 from meshes.sweep import revolve_hexahedra
-from meshes.user_mesh import read_user_mesh
 from solvers.assembly.surfaces import SOFT, Surfaces
 from solvers.bodies.rigid import RigidBodies
 from solvers.discrete.domain import create_domain

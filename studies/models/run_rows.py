@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 
-from studies.models.contact import MODELLED
+from meshes.solid import FloatArray
+from studies.models.contact import CONTACT_FILE, MODELLED, read_reports
 from studies.models.run_log import CONTACT
-from studies.results.rows import Row, row
-from studies.results.runs import Run, stopped_text
+from studies.results.rows import Row, is_reached, row
+from studies.results.runs import Run, value_status
 
 # Name and unit of what a state has, in the order of its rows.
 STATE_QUANTITIES: Mapping[str, str] = {
@@ -25,71 +27,92 @@ STATE_QUANTITIES: Mapping[str, str] = {
 }
 
 
-def state_rows(
+def requested_rows(
+    run: Run,
+    folder: Path,
+    pressures_kpa: Sequence[float],
+    quantities: Sequence[str],
+    model: str,
+    finest: Run | None = None,
+) -> list[Row]:
+    """Rows of the requested states, names of `STATE_QUANTITIES`; of what was not reached the first without a value.
+
+    Parameters
+    ----------
+    folder
+        Where the run is kept.
+    finest
+        The run whose state is the reference of the first quantity.
+    """
+    contacts = read_reports(folder / CONTACT_FILE)
+    return [r for p in pressures_kpa for r in _state_rows(run, p, quantities, model, contacts, finest)]
+
+
+def _state_rows(
     run: Run,
     pressure_kpa: float,
     quantities: Sequence[str],
     model: str,
     contacts: Sequence[Mapping[str, str]],
-    finest: Run | None = None,
+    finest: Run | None,
 ) -> list[Row]:
-    """Rows of a requested state, names of `STATE_QUANTITIES`; the first alone, without a value, if it was not reached.
-
-    Parameters
-    ----------
-    contacts
-        Lines of contact.csv, a line per place that touches.
-    finest
-        The run whose state is the reference of the first quantity.
-    """
-    summary, found = run.summary, run.at(pressure_kpa)
+    scene, level, main = run.summary.scene, run.summary.level, quantities[0]
+    found = run.at(pressure_kpa)
     if found is None:
-        name = quantities[0]
-        return [
-            row(summary.scene, name, STATE_QUANTITIES[name], pressure_kpa, model, math.nan, summary.level,
-                status=stopped_text(run, ".3f"))
-        ]  # fmt: skip
+        unit, status = STATE_QUANTITIES[main], value_status(run, math.nan, ".3f")
+        return [row(scene, main, unit, pressure_kpa, model, math.nan, level, status=status)]
     here = [c for c in contacts if math.isclose(float(c["pressure_kpa"]), pressure_kpa, rel_tol=1e-5)]
     touching = {
         "contact_force_n": sum(float(c["force_n"]) for c in here),
         "touching_places": float(sum(int(c["places"]) for c in here)),
     }
-    other = finest.at(pressure_kpa) if finest is not None else None
     rows = []
     for name in quantities:
         value = touching[name] if name in touching else float(getattr(found, name))
-        reference, source = math.nan, ""
-        if other is not None and finest is not None and name == quantities[0]:
-            reference, source = float(getattr(other, name)), f"{model} {finest.summary.level}"
-        rows.append(
-            row(summary.scene, name, STATE_QUANTITIES[name], pressure_kpa, model, value, summary.level,
-                reference=reference, source=source)
-        )  # fmt: skip
+        known, source = _reference(finest, pressure_kpa, name, model) if name == main else (math.nan, "")
+        unit = STATE_QUANTITIES[name]
+        rows.append(row(scene, name, unit, pressure_kpa, model, value, level, reference=known, source=source))
     return rows
+
+
+def _reference(finest: Run | None, pressure_kpa: float, quantity: str, model: str) -> tuple[float, str]:
+    """What the finest run says of a quantity, and its name; NaN and empty if it says nothing."""
+    found = finest.at(pressure_kpa) if finest else None
+    if finest is None or found is None:
+        return math.nan, ""
+    return float(getattr(found, quantity)), f"{model} {finest.summary.level}"
 
 
 def path_rows(run: Run, model: str) -> list[Row]:
     """Rows of a whole path: work of the pressure beside the energy gained, and where it lost its stability."""
-    summary, rows = run.summary, []
+    scene, level, rows = run.summary.scene, run.summary.level, []
     if len(run.path) > 1:
-        rows.append(
-            row(summary.scene, "pressure_work_mj", "mJ", run.path[-1].pressure_kpa, model, pressure_work_mj(run),
-                summary.level, reference=energy_gain_mj(run), source="gain of stored energy from the first state")
-        )  # fmt: skip
-    if crossing := summary.crossing:
+        last, work, gain = run.path[-1].pressure_kpa, pressure_work_mj(run), energy_gain_mj(run)
+        source = "gain of stored energy from the first state"
+        rows.append(row(scene, "pressure_work_mj", "mJ", last, model, work, level, reference=gain, source=source))
+    if crossing := run.summary.crossing:
         name = str(crossing["kind"]).replace(" ", "_")
-        rows.append(row(summary.scene, f"{name}_kpa", "kPa", math.nan, model, crossing["pressure_kpa"], summary.level))
+        rows.append(row(scene, f"{name}_kpa", "kPa", math.nan, model, crossing["pressure_kpa"], level))
     return rows
 
 
-def pressure_work_mj(run: Run) -> float:
-    """Work of the pressure from the first state of a path to its last, by the trapezoidal rule, mJ.
+def stops(rows: Sequence[Row]) -> list[str]:
+    """What was not reached and why, a sentence each."""
+    return [f"{r.scene}, {r.model} {r.level}, {r.pressure_kpa:g} kPa: {r.status}" for r in rows if not is_reached(r)]
+
+
+def work_mj(pressure_mpa: FloatArray, volume_mm3: FloatArray) -> float:
+    """Work of a pressure along a path by the trapezoidal rule, mJ.
 
     It is stored whatever touches on the way, up to the rule's error: contact without friction takes none.
     """
+    return float(np.sum(0.5 * (pressure_mpa[1:] + pressure_mpa[:-1]) * np.diff(volume_mm3)))
+
+
+def pressure_work_mj(run: Run) -> float:
+    """Work of the pressure from the first state of a run to its last, mJ."""
     pressure = 1e-3 * np.array([entry.pressure_kpa for entry in run.path])
-    volume = np.array([entry.volume_mm3 for entry in run.path])
-    return float(np.sum(0.5 * (pressure[1:] + pressure[:-1]) * np.diff(volume)))
+    return work_mj(pressure, np.array([entry.volume_mm3 for entry in run.path]))
 
 
 def energy_gain_mj(run: Run) -> float:
@@ -99,7 +122,7 @@ def energy_gain_mj(run: Run) -> float:
 
 def run_notes(run: Run) -> list[str]:
     """First touch, loss of stability, end and work of a run, a sentence each."""
-    found = [note for note in run.summary.plan if note.startswith((MODELLED, CONTACT))]
+    found = [note for note in run.summary.plan if note.startswith((MODELLED, CONTACT))] or ["nothing touches"]
     if crossing := run.summary.crossing:
         found.append(
             f"{crossing['kind']} at {crossing['pressure_kpa']:.4g} kPa (within {crossing['within_kpa']:.1g}), "

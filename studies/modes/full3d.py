@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from solvers.equilibrium.controls import HeldLoad
@@ -16,7 +17,7 @@ from solvers.state import State
 from studies.models.build import revolve_state
 from studies.models.modes import FoundCrossing, read_shape
 from studies.models.modes_model import ModesModel
-from studies.results.rows import Row, row
+from studies.results.rows import REACHED, Row, row
 from studies.scene.meshes import revolved
 
 # Counts are compared this share below and above the crossing: if both agree, so do the loads, within this share.
@@ -49,16 +50,16 @@ def confirm_rows(model: ModesModel, folder: Path, crossing: FoundCrossing, aroun
     list of Row
         ``unstable_modes`` at the two pressures; the reference is the harmonics' count over the whole circle.
     """
-    refinement = 1
-    meridian = model.meridian(refinement)
+    meridian = model.meridian(1)
     body = revolved(meridian, around)
-    flat, solid = model.problem(refinement), model.body_problem(body)
+    flat, solid = model.problem(1), model.body_problem(body)
     flat_factor, solid_factor, counter = Factor(flat), Factor(solid), ModeCounter(flat)
     start, _ = read_shape(folder, crossing.waves)
+    number = partial(row, model.scene.name, "unstable_modes", "1", model="full3d", level=f"n{around}")
     rows = []
     for share in (1.0 - BAND, 1.0 + BAND):
         pressure = 1e-3 * crossing.pressure_kpa * share
-        value, status, expected = math.nan, "reached", math.nan
+        value, status, expected = math.nan, REACHED, math.nan
         try:
             here = _at_pressure(flat, flat_factor, start, pressure)
             expected = float(on_full_circle(counter.counts(here)))
@@ -67,11 +68,8 @@ def confirm_rows(model: ModesModel, folder: Path, crossing: FoundCrossing, aroun
             value = math.nan if report.excess_negatives is None else float(report.excess_negatives)
         except (StepFailed, SolverError) as error:
             status = f"stopped at {1e3 * pressure:.6g} kPa: {error}"
-        source = f"harmonics m = 0…6, r{refinement}, m ≥ 1 twice"
-        rows.append(
-            row(model.scene.name, "unstable_modes", "1", 1e3 * pressure, "full3d", value, f"n{around}",
-                reference=expected, source=source, status=status)
-        )  # fmt: skip
+        kpa, source = 1e3 * pressure, "harmonics m = 0…6, r1, m ≥ 1 twice"
+        rows.append(number(pressure_kpa=kpa, value=value, reference=expected, source=source, status=status))
     for factor in (flat_factor, solid_factor):
         factor.close()
     counter.close()

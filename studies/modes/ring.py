@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from mpi4py import MPI
@@ -28,19 +30,34 @@ WAVES = (2, 3)
 LEVELS = (1, 2, 4)
 
 
-def ring_rows() -> list[Row]:
-    """Pressures at which the ring 10/12 mm buckles into two and three waves, follower and dead, on three meshes."""
+@dataclass(frozen=True)
+class Ring:
+    """The ring 10/12 mm under a pressure that follows its surface or keeps its direction."""
+
+    load: Load
+
+    @property
+    def name(self) -> str:
+        """Such as ``ring-dead``."""
+        return f"ring-{self.load}"
+
+
+RINGS: Final = tuple(Ring(load) for load in LOADS)
+
+
+def ring_rows(ring: Ring) -> list[Row]:
+    """Pressures at which a ring buckles into two and three waves, on three meshes."""
+    exact = {m: first_buckling(RING, LAW, m, ring.load) for m in WAVES}
+    # a dead pressure is given per undeformed area
+    known = {m: b.pressure_mpa if ring.load == "follower" else b.nominal_pressure_mpa for m, b in exact.items()}
     rows = []
-    for load in LOADS:
-        exact = {m: first_buckling(RING, LAW, m, load) for m in WAVES}
-        # a dead pressure is given per undeformed area
-        known = {m: b.pressure_mpa if load == "follower" else b.nominal_pressure_mpa for m, b in exact.items()}
-        for through in LEVELS:
-            for waves, (pressure, within) in _buckling(load, through, max(known.values())).items():
-                rows.append(
-                    row(f"ring-{load}", f"crossing_m{waves}_kpa", "kPa", math.nan, "axisymmetric", 1e3 * pressure,
-                        f"r{through}", 1e3 * within, 1e3 * known[waves], "exact ring")
-                )  # fmt: skip
+    for through in LEVELS:
+        for m, (pressure, within) in _buckling(ring.load, through, max(known.values())).items():
+            quantity, level = f"crossing_m{m}_kpa", f"r{through}"
+            kpa, spread, reference = 1e3 * pressure, 1e3 * within, 1e3 * known[m]
+            rows.append(
+                row(ring.name, quantity, "kPa", math.nan, "axisymmetric", kpa, level, spread, reference, "exact ring")
+            )
     return rows
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from analytical.bellows.paper import PaperActuator
-from studies.closed_form.tables import SILICONES
+from studies.closed_form.chains import SILICONES
 from studies.paper.numbers import (
     PRESSURES_KPA,
     best,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from analytical.bellows.paper import PRINTED
-from studies.closed_form.tables import SILICONES, STRETCH_AT_BREAK
+from studies.closed_form.chains import SILICONES, STRETCH_AT_BREAK
 from studies.paper.cases import RING_VARIANTS, THICK, THIN
 from studies.paper.numbers import (
     HIGHEST_KPA,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from meshes.user_mesh import read_user_mesh
+from meshes.by_gmsh.user_mesh import read_user_mesh
 from studies.planning.levels import MERIDIANS, Model
 from studies.planning.plan import Plan
 from studies.scene.bodies import BodyScene

@@ -2,7 +2,7 @@
 
 The error that a meridian leaves is a constant per level and a power of each of a few features of the scene, fitted to
 axisymmetric runs of made-up bellows; what the cells round the circumference leave is a power of their number. Times are
-powers of the number of unknowns, from the cost study. ``python -m studies.cost.error_fit`` repeats the fits and checks
+powers of the number of unknowns, from the cost study. ``make study-error-model`` repeats the fits and checks
 them on ten scenes that they have not seen. Once two levels of the scene itself are solved, `checked_error_percent`
 replaces the guess.
 """
@@ -102,7 +102,7 @@ class Choice:
     within: bool
 
 
-# From python -m studies.cost.error_fit.
+# From make study-error-model.
 FITS: dict[Cells, Fit] = {
     "hex": Fit(
         constants=(-1.837, -3.104, -3.989),

@@ -41,6 +41,7 @@ QUANTITIES: Mapping[str, str] = {
     "min_det_f": "least det F",
     "min_gap_mm": "least gap",
     "contact_force_n": "contact force",
+    "largest_stretch": "largest stretch",
     "limit_kpa": "limit point of the pressure",
     "crossing_kpa": "loss of stability",
     "silicone_g": "mass of the silicone",

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 from studies.results.rows import REACHED, Row
 
-MISSING = "–"
+MISSING, MINUS = "–", "\N{MINUS SIGN}"
 
 # How the value of a quantity is written; the others with four digits. The # keeps zeros that end a number.
 FORMATS: Mapping[str, str] = {"unstable_modes": ".0f", "min_det_f": "#.3g"}
@@ -59,10 +59,15 @@ def number_text(value: float, form: str = ".4g", missing: str = MISSING) -> str:
     return missing if math.isnan(value) else format(value, form)
 
 
+def typeset(value: float, form: str, missing: str = MISSING) -> str:
+    """A number as `number_text` writes it, with a minus sign that is as long as a plus; no exponents."""
+    return number_text(value, form, missing).replace("-", MINUS)
+
+
 def signed(percent: float) -> str:
     """A percentage with its sign and as many decimals as it deserves."""
     text = f"{percent:+.2f}" if abs(percent) < 1.0 else f"{percent:+.1f}"
-    return text.replace("-", "\N{MINUS SIGN}")
+    return text.replace("-", MINUS)
 
 
 def up(value: float, decimals: int) -> str:

@@ -13,7 +13,9 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from studies.results.files import write_text_atomically
 
-_TEMPLATES = Path(__file__).parent / "templates"
+_OWN = Path(__file__).parent / "templates"
+# What all pages share, and a folder per study.
+TEMPLATES: tuple[Path, ...] = (_OWN, Path(__file__).parents[1])
 _PICTURE = re.compile(r'src="(pictures/[^"]+)"')
 
 
@@ -35,7 +37,7 @@ def write_page(folder: Path, template: str, content: Mapping[str, Any]) -> Path:
         report.html.
     """
     environment = Environment(
-        loader=FileSystemLoader([_TEMPLATES, _TEMPLATES.parents[1]]),
+        loader=FileSystemLoader(TEMPLATES),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
@@ -46,7 +48,7 @@ def write_page(folder: Path, template: str, content: Mapping[str, Any]) -> Path:
     body = markdown.markdown(text, extensions=["tables", "fenced_code", "md_in_html", "sane_lists"])
     page = environment.get_template("report.html.j2").render(
         title=content["title"],
-        style=(_TEMPLATES / "report.css").read_text(encoding="utf-8"),
+        style=(_OWN / "report.css").read_text(encoding="utf-8"),
         body=_PICTURE.sub(lambda found: f'src="{_data_uri(folder / found[1])}"', body),
     )
     write_text_atomically(folder / "report.html", page)

@@ -48,6 +48,12 @@ OTHERS = (
     {"color": GREY, "linestyle": "-.", "marker": "d"},
 )
 
+# Curves that are told apart by nothing but their names.
+CURVES = tuple(
+    {"color": colour, "marker": marker, "markersize": 3.5, "linewidth": 1.3}
+    for colour, marker in zip((BLUE, VERMILION, GREEN, PURPLE, ORANGE, BLACK), "os^vDP", strict=True)
+)
+
 # Rigid rings, which are in no mesh.
 RIGID_COLOUR, RIGID_EDGE = "#d8d8d8", "#303030"
 RIGID: dict[str, Any] = {"facecolor": RIGID_COLOUR, "edgecolor": RIGID_EDGE, "linewidth": 0.8}

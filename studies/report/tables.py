@@ -33,20 +33,37 @@ class Column:
     quantity
         Of the rows it shows.
     form
-        How a value is written, as for `format`.
-    model, level
-        Of the rows it shows; empty for any.
+        How a value is written, as for `format`; or what writes a row's cell.
+    model, level, scene, pressure_kpa
+        Of the rows it shows; empty or None for any.
+    number
+        Which number of a row it shows: ``value``, ``reference``, ``error_percent`` or ``uncertainty``.
     """
 
     header: str
     quantity: str
-    form: str = ".4g"
+    form: str | Callable[[Row], str] = ".4g"
     model: str = ""
     level: str = ""
+    scene: str = ""
+    pressure_kpa: float | None = None
+    number: str = "value"
 
     def shows(self, row: Row) -> bool:
         """True for the rows of this column."""
-        return row.quantity == self.quantity and self.model in ("", row.model) and self.level in ("", row.level)
+        return (
+            row.quantity == self.quantity
+            and self.model in ("", row.model)
+            and self.level in ("", row.level)
+            and self.scene in ("", row.scene)
+            and self.pressure_kpa in (None, row.pressure_kpa)
+        )
+
+    def text(self, row: Row | None, missing: str) -> str:
+        """The cell of a row, or of none."""
+        if row is None:
+            return missing
+        return self.form(row) if callable(self.form) else number_text(getattr(row, self.number), self.form, missing)
 
 
 def per_level(header: str, quantity: str, form: str, levels: Iterable[str], model: str = "") -> list[Column]:
@@ -88,10 +105,7 @@ def pivot(
             cells = found.setdefault(tuple(text(row) for text in lines.values()), {})
             for column in shown:
                 cells.setdefault(column, row)
-    body = (
-        (*key, *(number_text(cells[c].value, c.form, missing) if c in cells else missing for c in columns))
-        for key, cells in found.items()
-    )
+    body = ((*key, *(column.text(cells.get(column), missing) for column in columns)) for key, cells in found.items())
     return Table((*lines, *(column.header for column in columns)), tuple(body), left)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
 import numpy as np
@@ -10,8 +11,8 @@ from pydantic import Field, model_validator
 from analytical.bellows.dimensions import BellowsDimensions
 from analytical.laws.stiff import PLA, POLYETHYLENE, StiffSolid
 from meshes.bellows import BellowsShape, check_shape
+from meshes.by_gmsh.ring import RingShape
 from meshes.errors import GeometryError
-from meshes.ring import RingShape
 from studies.scene.elements import Mesh, element_faults
 from studies.scene.materials import NeoHookeMaterial, OgdenMaterial, YeohMaterial, describe_material, material_faults
 from studies.scene.sections import Length, Section, Stiffness
@@ -170,6 +171,11 @@ def without_eccentricity(scene: BellowsScene) -> BellowsScene:
     if scene.geometry.eccentricity == 0.0:
         return scene
     return scene.model_copy(update={"geometry": scene.geometry.model_copy(update={"eccentricity": 0.0})})
+
+
+def at_pressures(scene: BellowsScene, pressures_kpa: Sequence[float]) -> BellowsScene:
+    """The same scene with other requested pressures."""
+    return scene.model_copy(update={"load": scene.load.model_copy(update={"pressure_kpa": list(pressures_kpa)})})
 
 
 def core_shift_mm(scene: BellowsScene) -> float:

@@ -22,9 +22,9 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import Field, model_validator
 
+from meshes.by_gmsh.user_mesh import read_user_mesh
 from meshes.errors import MeshError
 from meshes.solid import FACETS
-from meshes.user_mesh import read_user_mesh
 from studies.scene.body_geometry import (
     BlockGeometry,
     CookGeometry,

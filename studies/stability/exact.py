@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from analytical.exact import compressible, sphere, tube
 from analytical.exact.sphere import Sphere
@@ -37,29 +38,23 @@ class Answer:
 
 def exact_answer(body: Round, load_mpa: float) -> Answer:
     """The state under a pressure from inside (negative: a vacuum), the first met from rest."""
-    inner, outer = body.inner_mm, body.inner_mm + body.wall_mm
+    inner, outer, law = body.inner_mm, body.inner_mm + body.wall_mm, body.law
     shape: Tube | Sphere = Tube(inner, outer) if body.kind == "tube" else Sphere(inner, outer)
     if math.isfinite(body.kappa_over_mu):
-        kappa = body.kappa_over_mu * body.law.initial_shear_modulus_mpa
-        state = compressible.state_at_pressure(shape, body.law, kappa, load_mpa)
+        kappa = body.kappa_over_mu * law.initial_shear_modulus_mpa
+        state = compressible.state_at_pressure(shape, law, kappa, load_mpa)
         return Answer(
             state.inner_mm - inner, lambda radius: -compressible.hydrostatic_pressure_mpa(state, radius), load_mpa
         )
-
-    def pressure(bore_mm: float) -> float:
-        if isinstance(shape, Tube):
-            return tube.pressure_at_inner_radius_mpa(shape, body.law, bore_mm)
-        return sphere.pressure_at_inner_radius_mpa(shape, body.law, bore_mm)
-
+    if isinstance(shape, Tube):
+        pressure = partial(tube.pressure_at_inner_radius_mpa, shape, law)
+        hydrostatic = partial(tube.hydrostatic_pressure_mpa, shape, law)
+    else:
+        pressure = partial(sphere.pressure_at_inner_radius_mpa, shape, law)
+        hydrostatic = partial(sphere.hydrostatic_pressure_mpa, shape, law)
     bounds = (inner / _LARGEST_STRETCH, _LARGEST_STRETCH * inner)
     bore, furthest = tube.first_solution(pressure, inner, bounds, load_mpa)
     if bore is None:
         return Answer(math.nan, None, furthest)
     found = bore
-
-    def multiplier(radius: FloatArray) -> FloatArray:
-        if isinstance(shape, Tube):
-            return -tube.hydrostatic_pressure_mpa(shape, body.law, found, radius)
-        return -sphere.hydrostatic_pressure_mpa(shape, body.law, found, radius)
-
-    return Answer(bore - inner, multiplier, load_mpa)
+    return Answer(bore - inner, lambda radius: -hydrostatic(found, radius), load_mpa)

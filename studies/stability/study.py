@@ -1,217 +1,176 @@
-"""The stress test: every cell solved once, shared out over the ranks, and the report about them.
-
-Outcomes are files named by what is solved and by the code that solves it: a second study repeats nothing, and an
-interrupted one goes on where it was.
-"""
+"""The stress test: every cell is solved once, and none may be a wrong answer."""
 
 from __future__ import annotations
 
-import pickle
-import subprocess
-import sys
-import time
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Final, TypeVar
+from typing import Final
 
 import threadpoolctl
 from mpi4py import MPI
 
-from solvers.files import write_atomically
-from studies import launch
+from studies.engine import Bar, Page, Setting, Solved, Study, farm, first
+from studies.report.numbers import duration
 from studies.results import provenance
-from studies.results.files import write_text_atomically
-from studies.stability.cells import Bellows, Cell, cells, controls
-from studies.stability.report import Result, write_report
-from studies.stability.run import (
-    Outcome,
-    Reference,
-    key_of,
-    outcome_text,
-    read_outcome,
-    read_reference,
-    reference_of,
-    reference_text,
-    run_cell,
+from studies.results.kept import content_key, kept
+from studies.stability.cases import AXES, CONTROL, cases
+from studies.stability.cells import Cell
+from studies.stability.judge import PRESSURE_TOLERANCE_PERCENT, SAME_PERCENT, TOLERANCE_PERCENT, Outcome
+from studies.stability.plots import draw_map
+from studies.stability.references import Reference, Series, series_for, series_of, solve_reference
+from studies.stability.run import Job, run_cell, run_in_child
+from studies.stability.tables import (
+    Ended,
+    controls_table,
+    counts_table,
+    of_axis,
+    of_verdict,
+    others_table,
+    rows_of,
+    square,
+    unstable_lines,
 )
 
-CELLS_FOLDER: Final = "cells"
-REFERENCES_FOLDER: Final = "references"
-# A child that runs cells on other numbers of ranks or threads takes seconds; this long means it hangs.
-CHILD_LIMIT_S: Final = 600.0
-
-Kept = TypeVar("Kept")
-Task = tuple[Bellows, tuple[float, ...]]
-
-
-def write_study(folder: Path, comm: MPI.Comm, say: Callable[[str], None] = lambda text: None) -> tuple[Path, bool]:
-    """Run what is missing and write the report; every rank calls.
-
-    Parameters
-    ----------
-    folder
-        Outcomes, report.html, report.md, rows.csv and pictures go there.
-    comm
-        The ranks that share the cells.
-    say
-        Called on rank 0 with a line of progress.
-
-    Returns
-    -------
-    tuple
-        Path of report.html, and True if no cell is a wrong answer and all the study's demands are met.
-    """
-    return run_study(folder, comm, cells(), controls(), say)
+# What is demanded of the study.
+LEAST_CELLS, LEAST_VALUES, LEAST_RIGHT, LEAST_SHARE = 200, 5, 0.70, 0.80
+# What decides outcomes beside the code that `provenance.code_hash` knows.
+SOURCES: Final = [
+    Path(__file__).with_name(f"{name}.py")
+    for name in ("bodies", "controls", "exact", "judge", "meshes", "paths", "references", "run")
+]
 
 
-def run_study(
-    folder: Path,
-    comm: MPI.Comm,
-    of_product: Sequence[Cell],
-    pairs: Sequence[tuple[Cell, Cell]],
-    say: Callable[[str], None] = lambda text: None,
-) -> tuple[Path, bool]:
-    """As `write_study`, of other cells and pairs of a control and its counterpart."""
-    every = [*of_product, *(cell for pair in pairs for cell in pair)]
-    quiet = say if comm.rank == 0 else (lambda text: None)
-    with threadpoolctl.threadpool_limits(1):
-        tasks = _references(every)
-        quiet(f"{len(tasks)} bellows on three meshes each")
-        for task in tasks[comm.rank :: comm.size]:
-            _reference(folder, task)
-        comm.barrier()
-        alone = [cell for cell in every if (cell.ranks, cell.threads) == (1, 1)]
-        for place, cell in enumerate(alone[comm.rank :: comm.size]):
-            if place % 50 == 0:
-                quiet(f"cell {place * comm.size + 1} of {len(every)}")
-            _outcome(folder, cell, tasks)
-        comm.barrier()
-    answer: tuple[Path, bool] | Exception | None = None
-    if comm.rank == 0:
-        try:
-            failed: dict[Cell, Outcome] = {}
-            for setting in sorted({(c.ranks, c.threads) for c in every if c not in alone}):
-                quiet(f"{setting[0]} ranks with {setting[1]} threads each")
-                wanted = [c for c in every if (c.ranks, c.threads) == setting]
-                failed |= _by_child(folder, wanted, tasks, *setting)
-
-            def result(cell: Cell) -> Result:
-                return Result(cell, failed.get(cell) or _outcome(folder, cell, tasks))
-
-            results = [result(cell) for cell in of_product]
-            compared = [(result(a), result(b)) for a, b in pairs]
-            answer = write_report(folder, results, compared)
-        except Exception as error:
-            answer = error
-    _wait(comm)
-    answer = comm.bcast(answer)
-    if isinstance(answer, Exception):
-        raise answer
-    assert answer is not None
-    return answer
+# --- what is kept -------------------------------------------------------------------------------------------
 
 
-def _wait(comm: MPI.Comm) -> None:
-    """A barrier that leaves the cores to rank 0's children."""
-    request = comm.Ibarrier()
-    while not request.Test():
-        time.sleep(0.05)
+def key_of(thing: Cell | Series) -> str:
+    """Key of the outcome of a cell, wherever it stands in maps, or of a reference."""
+    placeless = replace(thing, axis="", row="", column="") if isinstance(thing, Cell) else thing
+    return content_key(repr(placeless), provenance.code_hash(), sources=SOURCES)
 
 
-def _references(every: Sequence[Cell]) -> list[Task]:
-    """Bellows to be run on several meshes, each with all loads of one sign that its cells ask for."""
-    loads: dict[tuple[Bellows, bool], set[float]] = {}
-    for cell in every:
-        if isinstance(cell.body, Bellows):
-            loads.setdefault((cell.body.ideal, cell.load_kpa < 0.0), set()).add(cell.load_kpa)
-    return [(body, tuple(sorted(found))) for (body, _), found in loads.items()]
+def kept_reference(series: Series, out: Path) -> Reference:
+    """A reference, from its file or by solving it on this process."""
+    key = key_of(series)
+    return kept(out / "references" / f"{key}.json", key, Reference, lambda: solve_reference(series))
 
 
-def _kept(path: Path, read: Callable[[str], Kept]) -> Kept | None:
-    try:
-        return read(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
+def job_of(cell: Cell, every: Sequence[Series], out: Path, alone_mm: float = math.nan) -> Job:
+    """A cell with its reference among all, and the place of its outcome."""
+    series, key = series_for(cell, every), key_of(cell)
+    reference = kept_reference(series, out) if series else None
+    return Job(cell, reference, alone_mm, (out / "cells" / f"{key}.json").absolute(), key)
 
 
-def _reference(folder: Path, task: Task) -> Reference:
-    path = folder / REFERENCES_FOLDER / f"{key_of(task)}.json"
-    found = _kept(path, read_reference)
-    if found is None:
-        found = reference_of(*task)
-        write_text_atomically(path, reference_text(found))
-    return found
-
-
-def _file(folder: Path, cell: Cell) -> Path:
-    return folder / CELLS_FOLDER / f"{key_of(cell)}.json"
-
-
-def _outcome(folder: Path, cell: Cell, tasks: Sequence[Task]) -> Outcome:
+def solve(every: Sequence[Series], cell: Cell, at: Setting) -> Outcome:
     """A cell's outcome, from its file or by solving it on this process."""
-    found = _kept(_file(folder, cell), read_outcome)
-    if found is None:
-        found = run_cell(cell, MPI.COMM_SELF, _reference_for(folder, cell, tasks))
-        write_text_atomically(_file(folder, cell), outcome_text(found))
-    return found
+    job = job_of(cell, every, at.out)
+
+    def solved() -> Outcome:
+        at.progress.begin(cell.name, 1e-3 * abs(cell.load_kpa))
+        outcome = run_cell(cell, MPI.COMM_SELF, job.reference)
+        at.progress.end(f"{cell.name}: {outcome.verdict}")
+        return outcome
+
+    with threadpoolctl.threadpool_limits(1):
+        return kept(job.file, job.key, Outcome, solved)
 
 
-def _reference_for(folder: Path, cell: Cell, tasks: Sequence[Task]) -> Reference | None:
-    if not isinstance(cell.body, Bellows):
-        return None
-    body = cell.body.ideal
-    return next(_reference(folder, task) for task in tasks if task[0] == body and cell.load_kpa in task[1])
+def prepare(every: Sequence[Series], cells: Sequence[Cell], at: Setting) -> list[str]:
+    """References, and the cells on other numbers of ranks and threads than one of each."""
+    what = f"{len(every)} bellows on three meshes each"
+    at.progress.begin(what, math.inf)
+    with threadpoolctl.threadpool_limits(1):
+        farm(every, at.comm, lambda series: kept_reference(series, at.out))
+    at.progress.end(f"{what}: done")
+    first(at.comm, lambda: _solve_shared(every, [c for c in cells if (c.ranks, c.threads) != (1, 1)], at))
+    return []
 
 
-# --- other numbers of ranks and threads -----------------------------------------------------------------------
+def _solve_shared(every: Sequence[Series], shared: Sequence[Cell], at: Setting) -> None:
+    """Solve cells of several ranks or threads in children, each beside the same on one rank and thread."""
+    for ranks, threads in sorted({(cell.ranks, cell.threads) for cell in shared}):
+        jobs = []
+        for cell in shared:
+            if (cell.ranks, cell.threads) == (ranks, threads):
+                alone = solve(every, replace(cell, ranks=1, threads=1), at)
+                jobs.append(job_of(cell, every, at.out, alone.value_mm))
+        run_in_child(jobs, ranks, threads, at.out.absolute())
 
 
-def _by_child(
-    folder: Path, wanted: Sequence[Cell], tasks: Sequence[Task], ranks: int, threads: int
-) -> dict[Cell, Outcome]:
-    """Solve cells in a child of so many ranks with so many threads each; outcomes of those that it did not solve."""
-    missing = [cell for cell in wanted if _kept(_file(folder, cell), read_outcome) is None]
-    if not missing:
-        return {}
-    work = []
-    for cell in missing:
-        single = _outcome(folder, replace(cell, ranks=1, threads=1), tasks)
-        work.append((cell, _reference_for(folder, cell, tasks), single.value_mm))
-    order = folder / f"ranks-{ranks}-{threads}.pickle"
-    write_atomically(order, pickle.dumps(work))
-    command = launch.on_ranks(ranks, "-m", "studies.stability.study", str(folder), str(order))
-    why = "no mpirun was found" if launch.launcher() is None else ""
-    if not why:
-        try:
-            done = subprocess.run(
-                command,
-                cwd=provenance.ROOT,
-                env=launch.environment(threads),
-                capture_output=True,
-                text=True,
-                timeout=CHILD_LIMIT_S,
-                check=False,
-            )
-            why = "" if done.returncode == 0 else f"exit {done.returncode}: {done.stderr[-300:]}"
-        except subprocess.TimeoutExpired:
-            why = f"not done after {CHILD_LIMIT_S:g} s"
-    order.unlink()
-    crash = Outcome("wrong", cause="crash", reason=f"{ranks} ranks with {threads} threads: {why}")
-    return {cell: crash for cell in missing if _kept(_file(folder, cell), read_outcome) is None}
+# --- what is shown ------------------------------------------------------------------------------------------
 
 
-def _child(folder: Path, order: Path) -> None:
-    """Solve the cells of a file on all ranks of this process's world."""
-    comm = MPI.COMM_WORLD
-    work: list[tuple[Cell, Reference | None, float]] = comm.bcast(
-        pickle.loads(order.read_bytes()) if comm.rank == 0 else None
+def bars_of(product: Sequence[Ended], pairs: Sequence[tuple[Ended, Ended]]) -> list[Bar]:
+    """What is demanded of cells, and of controls beside their counterparts without a flaw."""
+    count, wrong, right = len(product), len(of_verdict("wrong", product)), len(of_verdict("right", product))
+    stops = of_verdict("stop", product)
+    early = [one.result for one in stops if not one.result.share >= LEAST_SHARE]
+    unnamed = [outcome for outcome in early if not (outcome.cause and outcome.reason)]
+    maps = {axis.name: of_axis(axis, product) for axis in AXES}
+    few = [name for name, of in maps.items() if of and len({one.case.column for one in of}) < LEAST_VALUES]
+    failing = [a for a, b in pairs if a.result.verdict != "right" and b.result.verdict == "right"]
+    return [
+        Bar(f"at least {LEAST_CELLS} cells", f"{count}", count >= LEAST_CELLS),
+        Bar(f"at least {LEAST_VALUES} values per axis", ", ".join(few) or "yes", not few),
+        Bar("no wrong answer", f"{wrong} wrong", wrong == 0),
+        Bar(
+            f"at least {100 * LEAST_RIGHT:g} % right answers",
+            f"{right} of {count} ({100 * right / max(count, 1):.1f} %)",
+            right >= LEAST_RIGHT * count,
+        ),
+        Bar(
+            f"stops at {100 * LEAST_SHARE:g} % or more of the load that is reachable, or their cause shown",
+            f"{len(stops)} stops, {len(early)} earlier, {len(early) - len(unnamed)} of these with cause and reason",
+            not unnamed,
+        ),
+        Bar(
+            "controls fail where the solver is right",
+            f"{len(failing)} of {len(pairs)}",
+            len(failing) == len(pairs),
+        ),
+    ]
+
+
+def page(solved: Sequence[Solved[Cell, Outcome]], at: Setting) -> Page:
+    """A map per axis with what is not a right answer, and the controls."""
+    product = [one for one in solved if one.case.axis != CONTROL]
+    controls = [one for one in solved if one.case.axis == CONTROL]
+    pairs = list(zip(controls[::2], controls[1::2], strict=True))
+    axes = [axis for axis in AXES if of_axis(axis, product)]
+    sections = []
+    for axis in axes:
+        of, picture = of_axis(axis, product), f"pictures/{axis.name}.png"
+        draw_map(at.out / picture, axis, [square(one) for one in of])
+        sections.append({"axis": axis, "picture": picture, "others": others_table(of), "unstable": unstable_lines(of)})
+    content = {
+        "counts": counts_table(axes, product),
+        "sections": sections,
+        "controls": controls_table(pairs),
+        "tolerance": f"{TOLERANCE_PERCENT:g}",
+        "pressure_tolerance": f"{PRESSURE_TOLERANCE_PERCENT:g}",
+        "same": f"{SAME_PERCENT:g}",
+        "seconds": duration(sum(one.result.seconds for one in solved)),
+    }
+    return Page([row for one in solved for row in rows_of(one)], content, bars=bars_of(product, pairs))
+
+
+def stress_test(cells: Sequence[Cell]) -> Study[Cell, Outcome]:
+    """The study of cells; each control is followed by its counterpart without a flaw."""
+    every = series_of(cells)
+    return Study(
+        name="stability",
+        title="Stress test: where the solver holds, refuses and stops",
+        question="Where does the solver hold, refuse and stop, and is it ever wrong?",
+        template="stability/page.md.j2",
+        cases=lambda options: cells,
+        solve=partial(solve, every),
+        page=page,
+        prepare=partial(prepare, every),
     )
-    for cell, reference, alone_mm in work:
-        outcome = run_cell(cell, comm, reference, alone_mm)
-        if comm.rank == 0:
-            write_text_atomically(_file(folder, cell), outcome_text(outcome))
 
 
-if __name__ == "__main__":
-    _child(Path(sys.argv[1]), Path(sys.argv[2]))
+STUDY: Final = stress_test(cases())

@@ -8,11 +8,10 @@ figures.json.
 from __future__ import annotations
 
 import json
-import os
+import math
 import shutil
-import subprocess
 import sys
-import time
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -21,10 +20,11 @@ import click
 from studies import launch
 from studies.results import provenance
 from studies.results.files import read_summary, write_text_atomically
-from studies.results.rows import Row, read_rows, write_rows
+from studies.results.rows import read_rows, write_rows
 
 RANKS = 2
 INERTIA = provenance.ROOT / "tests" / "studies" / "inertia_script.py"
+FIGURES_FILE = "figures.json"
 
 
 @dataclass(frozen=True)
@@ -61,70 +61,64 @@ def measure(out: Path) -> Figures:
     """Run everything into a folder, which is emptied; see this module's heading."""
     shutil.rmtree(out, ignore_errors=True)
     out.mkdir(parents=True)
-    rows: list[Row] = []
-    smoke = _cold_and_warm(out, "smoke", out / "smoke")
-    _run(out, "exact", out / "exact")
-    core = _cold_and_warm(out, "paper", out / "paper", "--core")
-    for study in ("smoke", "exact", "paper"):
-        rows += read_rows(out / study / "rows.csv")
-    write_rows(out / "rows.csv", rows)
+    smoke = _cold_and_warm(out, "smoke")
+    _run(out, "exact")
+    core = _cold_and_warm(out, "paper", "--core")
+    write_rows(
+        out / "rows.csv", [row for name in ("smoke", "exact", "paper") for row in read_rows(out / name / "rows.csv")]
+    )
     summaries = [read_summary(file.parent) for file in (out / "paper").rglob("summary.json")]
-    gmsh = [sys.executable, "-c", "import gmsh; print(gmsh.__version__)"]
-    version = subprocess.run(gmsh, stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
+    gmsh = _ended(out, [sys.executable, "-c", "import gmsh; print(gmsh.__version__)"]).out.strip()
     figures = Figures(
-        {**provenance.versions(), "gmsh": version},
+        {**provenance.versions(), "gmsh": gmsh},
         provenance.blas(),
         *smoke,
         *core,
         max(summary.peak_mb for summary in summaries),
         {str(ranks): _modes(out, ranks) for ranks in (1, RANKS)},
     )
-    write_text_atomically(out / "figures.json", json.dumps(asdict(figures), indent=1))
+    write_text_atomically(out / FIGURES_FILE, json.dumps(asdict(figures), indent=1))
     return figures
 
 
 def read_figures(folder: Path) -> Figures:
     """Figures that `measure` left in a folder."""
-    return Figures(**json.loads((folder / "figures.json").read_text(encoding="utf-8")))
+    return Figures(**json.loads((folder / FIGURES_FILE).read_text(encoding="utf-8")))
 
 
-def _environment(out: Path) -> dict[str, str]:
-    """With a folder of compiled forms that starts empty."""
-    return {**launch.environment(), "XDG_CACHE_HOME": str((out / "cache").absolute())}
-
-
-def _cold_and_warm(out: Path, name: str, target: Path, *options: str) -> tuple[float, float]:
+def _cold_and_warm(out: Path, name: str, *options: str) -> tuple[float, float]:
     """Wall times of a study without and with its forms compiled, s; the second run is kept."""
     shutil.rmtree(out / "cache", ignore_errors=True)
-    cold_s = _run(out, name, target, *options)
-    shutil.rmtree(target)
-    return cold_s, _run(out, name, target, *options)
+    cold_s = _run(out, name, *options)
+    shutil.rmtree(out / name)
+    return cold_s, _run(out, name, *options)
 
 
-def _run(out: Path, *arguments: str | Path) -> float:
-    """Run a study on two ranks into a folder; wall time, s."""
-    name, target, *options = map(str, arguments)
-    command = launch.on_ranks(RANKS, "-m", "studies", name, "--out", target, *options)
-    begin = time.perf_counter()
-    done = subprocess.run(command, cwd=os.getcwd(), env=_environment(out), stdout=subprocess.DEVNULL, check=False)
-    wall_s = time.perf_counter() - begin
-    if done.returncode:
-        sys.exit(f"{name} ended with {done.returncode}: {' '.join(command)}")
+def _run(out: Path, name: str, *options: str) -> float:
+    """Run a study on two ranks into a folder of its name; wall time, s."""
+    command = launch.on_ranks(RANKS, "-m", "studies", name, "--out", str(out / name), *options)
+    wall_s = _ended(out, command).wall_s
     click.echo(f"{name}: {wall_s:.0f} s")
     return wall_s
 
 
 def _modes(out: Path, ranks: int) -> list[int]:
-    command = launch.on_ranks(ranks, str(INERTIA))
-    done = subprocess.run(command, env=_environment(out), stdout=subprocess.PIPE, text=True, check=True)
-    return list(json.loads(done.stdout.splitlines()[-1])["modes"])
+    return list(json.loads(_ended(out, launch.on_ranks(ranks, str(INERTIA))).out.splitlines()[-1])["modes"])
+
+
+def _ended(out: Path, command: Sequence[str]) -> launch.Ended:
+    """Run a command with a folder of compiled forms that starts empty; a failure ends this process too."""
+    ended = launch.run(command, {**launch.environment(), "XDG_CACHE_HOME": str(out / "cache")}, math.inf)
+    if ended.code:
+        sys.exit(f"{ended.error}\nended with {ended.code}: {' '.join(command)}")
+    return ended
 
 
 @click.command()
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder for the results; emptied.")
 def main(out: Path) -> None:
     """Measure this stack: smoke, exact and core studies, cold and warm."""
-    found = measure(out)
+    found = measure(out.absolute())
     click.echo(f"core cold {found.cold_s:.0f} s, warm {found.warm_s:.0f} s, peak {found.peak_mb:.0f} MB: {out}")
 
 

@@ -1,30 +1,26 @@
-"""The same answers on every stack: ``python -m studies.stacks.study results/stacks/* --out results/stacks``.
-
-Compares the rows that `studies.stacks.figures` left in folders, one per stack, with those of the first, and writes the
-table of stacks.
-"""
+"""The same answers on every stack: rows that `studies.stacks.figures` left, a folder per stack, beside the first's."""
 
 from __future__ import annotations
 
 import math
-import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Final
 
 import click
 
-from studies.report.pages import write_page
+from studies.engine import ROWS_FILE, Bar, Page, Setting, Solved, Study
+from studies.report.numbers import MISSING
 from studies.report.tables import Table
-from studies.results import provenance
-from studies.results.rows import Row, read_rows, write_rows
-from studies.stacks.figures import Figures, read_figures
+from studies.results.rows import Row, read_rows
+from studies.stacks.figures import FIGURES_FILE, Figures, read_figures
 
 # What rows may differ by between stacks: Newton ends at 1e-8 of the load.
-SAME = 1e-8
+SAME: Final = 1e-8
 # Times are no answers.
-COSTS = ("s", "MB")
-SHOWN = {
+COSTS: Final = ("s", "MB")
+SHOWN: Final = {
     "python": "Python",
     "numpy": "numpy",
     "dolfinx": "dolfinx",
@@ -33,6 +29,14 @@ SHOWN = {
     "mpi": "MPI",
     "gmsh": "gmsh",
 }
+
+
+@dataclass(frozen=True)
+class Given:
+    """What a stack gave."""
+
+    rows: list[Row]
+    figures: Figures
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,19 @@ class Difference:
     value: float
     where: str
     rows: int
+
+
+def cases(options: Mapping[str, Any]) -> list[Path]:
+    """Folders that have been measured into; the first is what the others are compared with."""
+    found = [folder for folder in options["folders"] if (folder / FIGURES_FILE).exists()]
+    if not found:
+        raise click.UsageError(f"none of the folders has {FIGURES_FILE}: run `python -m studies.stacks.figures` first")
+    return found
+
+
+def solve(folder: Path, at: Setting) -> Given:
+    """What is in a folder."""
+    return Given(read_rows(folder / ROWS_FILE), read_figures(folder))
 
 
 def compare(reference: Sequence[Row], rows: Sequence[Row]) -> Difference:
@@ -86,66 +103,55 @@ def _difference(a: Row, b: Row) -> float:
 
 def stack_table(names: Sequence[str], figures: Sequence[Figures], differences: Sequence[Difference]) -> Table:
     """A column per stack."""
-    lines = [(label, *(one.versions.get(key, "–") for one in figures)) for key, label in SHOWN.items()]
-    lines += [
+    compiled = "nothing compiled / all compiled, s"
+    lines = [
+        *((label, *(one.versions.get(key, MISSING) for one in figures)) for key, label in SHOWN.items()),
         ("BLAS", *(one.blas for one in figures)),
-        (
-            "`make study-smoke`, nothing compiled / all compiled, s",
-            *(_times(one.smoke_cold_s, one.smoke_warm_s) for one in figures),
-        ),
-        ("`make study-core`, nothing compiled / all compiled, s", *(_times(one.cold_s, one.warm_s) for one in figures)),
+        (f"`make study-smoke`, {compiled}", *(_times(one.smoke_cold_s, one.smoke_warm_s) for one in figures)),
+        (f"`make study-core`, {compiled}", *(_times(one.cold_s, one.warm_s) for one in figures)),
         ("largest peak memory, MB", *(f"{one.peak_mb:.0f}" for one in figures)),
         ("unstable modes on 1 rank", *(_counts(one, "1") for one in figures)),
         ("on 2 ranks", *(_counts(one, "2") for one in figures)),
         ("rows compared", *(str(one.rows) for one in differences)),
         ("largest difference", *(f"{one.value:.1e}" for one in differences)),
-        ("where", *(one.where if one.value else "–" for one in differences)),
+        ("where", *(one.where if one.value else MISSING for one in differences)),
     ]
     return Table(("", *names), tuple(lines), left=tuple(range(len(names) + 1)))
 
 
 def _times(cold_s: float, warm_s: float) -> str:
-    return " / ".join("–" if math.isnan(one) else f"{one:.0f}" for one in (cold_s, warm_s))
+    return " / ".join(MISSING if math.isnan(one) else f"{one:.0f}" for one in (cold_s, warm_s))
 
 
 def _counts(figures: Figures, ranks: str) -> str:
     return ", ".join(map(str, figures.modes[ranks]))
 
 
-def write_study(folders: Sequence[Path], out: Path) -> list[Difference]:
-    """Compare the stacks of folders with the first and write the report."""
-    names = [folder.name for folder in folders]
-    every = [read_rows(folder / "rows.csv") for folder in folders]
-    differences = [compare(every[0], rows) for rows in every]
-    content = {
-        "title": "The same answers on three stacks",
-        "stacks": stack_table(names, [read_figures(folder) for folder in folders], differences),
-        "reference": names[0],
-        "same": f"{SAME:g}",
-        "worst": f"{max(one.value for one in differences):.1e}",
-        "met": all(one.value <= SAME for one in differences),
-        "commit": provenance.commit(),
-        "date": provenance.now(),
-        "machine": provenance.machine(),
-    }
-    out.mkdir(parents=True, exist_ok=True)
-    write_rows(out / "rows.csv", every[0])
-    write_page(out, "stacks.md.j2", content)
-    return differences
+def page(solved: Sequence[Solved[Path, Given]], at: Setting) -> Page:
+    """A column per stack; rows are those of the first."""
+    names, given = [one.case.name for one in solved], [one.result for one in solved]
+    differences = [compare(given[0].rows, one.rows) for one in given]
+    worst = max(one.value for one in differences)
+    bar = Bar(f"rows the same on all stacks to {SAME:g}", f"largest difference {worst:.1e}", worst <= SAME)
+    table = stack_table(names, [one.figures for one in given], differences)
+    return Page(given[0].rows, {"stacks": table, "reference": names[0]}, bars=[bar])
 
 
-@click.command()
-@click.argument("folders", nargs=-1, required=True, type=click.Path(path_type=Path, exists=True, file_okay=False))
-@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder for the report.")
-def main(folders: tuple[Path, ...], out: Path) -> None:
-    """Compare the stacks in FOLDERS with the first; exit code 3 if rows differ."""
-    measured = [folder for folder in folders if (folder / "figures.json").exists()]
-    differences = write_study(measured, out)
-    for folder, one in zip(measured, differences, strict=True):
-        click.echo(f"{folder.name}: {one.rows} rows, largest difference {one.value:.1e} ({one.where})")
-    click.echo(f"report: {out / 'report.html'}")
-    sys.exit(0 if all(one.value <= SAME for one in differences) else 3)
-
-
-if __name__ == "__main__":
-    main()
+STUDY: Final = Study(
+    name="stacks",
+    title="The same answers on three stacks",
+    question="Does the same code give the same rows on every stack, and what does each cost?",
+    template="stacks/page.md.j2",
+    cases=cases,
+    solve=solve,
+    page=page,
+    share="first",
+    options=(
+        click.Argument(
+            ["folders"],
+            nargs=-1,
+            required=True,
+            type=click.Path(path_type=Path, exists=True, file_okay=False),
+        ),
+    ),
+)

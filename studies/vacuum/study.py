@@ -7,27 +7,27 @@ from pathlib import Path
 from typing import Any, Final
 
 import click
-import numpy as np
 
 from studies.engine import Page, Setting, Solved, Study
 from studies.models.axisymmetric import run_axisymmetric
-from studies.models.contact import CONTACT_FILE, read_reports
-from studies.models.run_rows import path_rows, run_notes, state_rows
-from studies.report.tables import Table
+from studies.models.run_rows import path_rows, requested_rows, run_notes, stops
+from studies.report.labels import level_label
+from studies.report.panels import Panel, Series, draw_panels
+from studies.report.pictures.meridians import draw_shapes
+from studies.report.style import BESIDE, CURVES
+from studies.report.tables import Column, Table, per_level, pivot, pressure_of
 from studies.results import provenance
-from studies.results.rows import REACHED, Row
+from studies.results.rows import Row
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene
 from studies.scene.files import load_bellows
-from studies.vacuum.plots import draw_contractions, draw_shapes
 
-SCENES: Final = provenance.ROOT / "scenes" / "vacuum"
 QUANTITIES: Final = ("tip_mm", "volume_mm3", "min_gap_mm", "contact_force_n", "unstable_modes", "min_det_f")
 
 
 def cases(options: Mapping[str, Any]) -> list[BellowsScene]:
     """Scenes of the study, by name."""
-    return [load_bellows(path) for path in sorted(SCENES.glob("*.toml"))]
+    return [load_bellows(path) for path in sorted((provenance.ROOT / "scenes" / "vacuum").glob("*.toml"))]
 
 
 def solve(scene: BellowsScene, at: Setting) -> list[Run]:
@@ -41,44 +41,50 @@ def folder_of(out: Path, scene: BellowsScene, level: str) -> Path:
     return out / scene.name / f"axisymmetric-{level}"
 
 
-def scene_rows(out: Path, scene: BellowsScene, runs: Sequence[Run]) -> list[Row]:
+def rows_of(out: Path, scene: BellowsScene, runs: Sequence[Run]) -> list[Row]:
     """Rows of a scene: its states at each requested pressure, work and loss of stability of each run."""
     rows: list[Row] = []
     for run in runs:
-        contacts = read_reports(folder_of(out, scene, run.summary.level) / CONTACT_FILE)
-        finest = runs[-1] if run is not runs[-1] else None
-        for pressure in scene.load.pressure_kpa:
-            rows += state_rows(run, pressure, QUANTITIES, "axisymmetric", contacts, finest)
+        folder, finest = folder_of(out, scene, run.summary.level), runs[-1] if run is not runs[-1] else None
+        rows += requested_rows(run, folder, scene.load.pressure_kpa, QUANTITIES, "axisymmetric", finest)
         rows += path_rows(run, "axisymmetric")
     return rows
 
 
 def contractions(rows: Sequence[Row]) -> Table:
     """A line per requested pressure."""
-    value = {(r.level, r.pressure_kpa, r.quantity): f"{r.value:.5g}" for r in rows if r.value == r.value}
     levels = list(dict.fromkeys(r.level for r in rows))
-    columns = [(level, "tip_mm") for level in levels]
-    columns += [(levels[-1], name) for name in ("min_gap_mm", "contact_force_n", "min_det_f")]
-    pressures = dict.fromkeys(r.pressure_kpa for r in rows if r.quantity == "tip_mm")
-    lines = [(f"{p:g}", *(value.get((level, p, name), "") for level, name in columns)) for p in pressures]
-    return Table(("kPa", *(f"{name}: {level}" for level, name in columns)), tuple(lines), ())
+    columns = [
+        *per_level("tip, mm", "tip_mm", ".5g", levels),
+        Column("least gap, mm", "min_gap_mm", ".3g", level=levels[-1]),
+        Column("contact force, N", "contact_force_n", ".3g", level=levels[-1]),
+        *per_level("unstable modes", "unstable_modes", ".3g", levels),
+        Column("least det F", "min_det_f", ".2g", level=levels[-1]),
+    ]
+    return pivot(rows, {"kPa": pressure_of}, columns)
+
+
+def shortening(runs: Sequence[Run], look: Mapping[str, Any]) -> Series:
+    """Shortening over vacuum on the finest meridian."""
+    path = runs[-1].path
+    vacuum, shorter = [0.0, *(-e.pressure_kpa for e in path)], [0.0, *(-e.tip_mm for e in path)]
+    return Series(vacuum, shorter, look, runs[-1].summary.scene)
 
 
 def page(solved: Sequence[Solved[BellowsScene, list[Run]]], at: Setting) -> Page:
     """A section per scene, with its shapes, and one picture of all contractions."""
-    rows, sections, curves = [], [], {}
+    rows, sections = [], []
     for scene, runs in ((done.case, done.result) for done in solved):
-        found, picture = scene_rows(at.out, scene, runs), f"pictures/{scene.name}.png"
-        draw_shapes(at.out / picture, scene, runs[0], folder_of(at.out, scene, runs[0].summary.level))
-        curves[scene.name] = np.array([(0.0, 0.0), *((entry.pressure_kpa, entry.tip_mm) for entry in runs[-1].path)])
-        notes = [f"{run.summary.level}: {note}" for run in runs for note in run_notes(run)]
-        sections.append(
-            {"name": scene.name, "title": scene.title, "table": contractions(found), "notes": notes, "picture": picture}
-        )
+        found, picture = rows_of(at.out, scene, runs), f"pictures/{scene.name}.png"
         rows += found
-    draw_contractions(at.out / "pictures" / "contractions.png", curves)
-    stopped = [f"{r.scene}, {r.level}, {r.pressure_kpa:g} kPa: {r.status}" for r in rows if r.status != REACHED]
-    return Page(rows, {"sections": sections}, stopped)
+        draw_shapes(at.out / picture, scene, runs[0], folder_of(at.out, scene, runs[0].summary.level))
+        notes = [f"{level_label(run.summary.level)}: {note}" for run in runs for note in run_notes(run)]
+        sections.append({"scene": scene, "table": contractions(found), "notes": notes, "picture": picture})
+    series = [shortening(done.result, look) for done, look in zip(solved, CURVES, strict=False)]
+    axis = "vacuum in the cavity, kPa (linear to 0.1, then logarithmic)"
+    panel = Panel(series, axis, "shortening at the tip, mm", linear_to=0.1)
+    draw_panels(at.out / "pictures" / "contractions.png", [[panel]], (8.2, 4.4), BESIDE)
+    return Page(rows, {"sections": sections}, stops(rows))
 
 
 STUDY: Final = Study(

@@ -23,8 +23,8 @@ from analytical.bellows.reading import CORRECTED
 from analytical.exact import compressible, cube, flexure, homogeneous, ring, sphere, torsion, tube
 from analytical.laws.isotropic import Law
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
-from studies.closed_form.benchmark import elongation_by_equations_mm, error_text
-from studies.closed_form.tables import path_of
+from studies.closed_form.chains import path_of
+from studies.closed_form.one_by_one import elongation_by_equations_mm, error_text
 from studies.report.tables import Table, table_of
 from studies.results.rows import Row, row
 

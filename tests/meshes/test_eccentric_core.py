@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from meshes.by_gmsh.ring import RingShape
 from meshes.eccentric import share_of_wall, shift_core
 from meshes.errors import GeometryError
 from meshes.gaps import outlines
 from meshes.meridian import default_resolution, meridian_mesh
 from meshes.quality import jacobians, mesh_quality, region_volumes_mm3
 from meshes.revolve import revolve, revolve_scalar
-from meshes.ring import RingShape
 from meshes.sweep import revolve_hexahedra
 
 SHIFT = 0.1

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from meshes.bellows import BellowsShape
+from meshes.by_gmsh.ring import RingShape, ring_triangles
 from meshes.errors import GeometryError, MeshError
 from meshes.meridian import default_resolution, meridian_mesh
 from meshes.quality import jacobians, region_volumes_mm3
 from meshes.revolve import revolve
-from meshes.ring import RingShape, ring_triangles
 from meshes.solid import FACETS, REGIONS, SolidMesh
 
 RING = RingShape(height_mm=2.0, edge_radius_mm=0.5)
@@ -114,7 +114,7 @@ def test_death_of_the_child_process_becomes_an_error(monkeypatch: pytest.MonkeyP
     def abort(command, **options):
         return run([sys.executable, "-c", "import os; os.abort()"], **options)
 
-    monkeypatch.setattr("meshes.ring.subprocess.run", abort)
+    monkeypatch.setattr("meshes.by_gmsh.child.subprocess.run", abort)
     with pytest.raises(MeshError, match=r"exit -6"):
         ring_triangles(RING, SEAT_Z, 11.5)
 
@@ -123,6 +123,6 @@ def test_gmsh_that_hangs_becomes_an_error(monkeypatch: pytest.MonkeyPatch) -> No
     def hang(command, **options):
         raise subprocess.TimeoutExpired(command, options["timeout"])
 
-    monkeypatch.setattr("meshes.ring.subprocess.run", hang)
-    with pytest.raises(MeshError, match="120"):
+    monkeypatch.setattr("meshes.by_gmsh.child.subprocess.run", hang)
+    with pytest.raises(MeshError, match="within 300 s"):
         ring_triangles(RING, SEAT_Z, 11.5)

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from meshes.bodies import tube_meridian
+from meshes.by_gmsh.user_mesh import read_user_mesh
 from meshes.errors import MeshError
 from meshes.quality import jacobians, mesh_quality, region_volumes_mm3
 from meshes.solid import FACETS, SolidMesh
 from meshes.surface import surface_weights
-from meshes.user_mesh import read_user_mesh
 
 OCTANT = Path(__file__).resolve().parents[2] / "scenes" / "exact" / "octant.msh"
 NAMES = {FACETS["cavity"]: "cavity", FACETS["outer"]: "outer", FACETS["bottom"]: "symmetry_z", FACETS["top"]: "top"}

@@ -9,8 +9,8 @@ import pytest
 
 from analytical.laws.silicones import DRAGON_SKIN_10
 from analytical.laws.stiff import PLA
+from meshes.by_gmsh.ring import RingShape
 from meshes.meridian import default_resolution, meridian_mesh
-from meshes.ring import RingShape
 from meshes.solid import FACETS, REGIONS, SolidMesh
 from solvers.assembly.surfaces import SOFT, STIFF
 from solvers.bodies.rigid import RigidBodies

@@ -11,15 +11,16 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from studies.imperfection.study import Case, run_case
+from studies.engine import Setting
+from studies.imperfection.bodies import Actuator, solve_body
 from studies.planning.levels import BodyLevel
 from studies.progress import Progress
 
 
 def main() -> None:
     comm = MPI.COMM_WORLD
-    case = Case(sys.argv[1], (1.0, 2.0), (BodyLevel(6, 1),))
-    found = run_case(case, 0.10, case.levels[0], Path(sys.argv[2]), comm, Progress(comm))
+    at = Setting(Path(sys.argv[2]), comm, Progress(comm), {})
+    found = solve_body(Actuator("short", sys.argv[1], (1.0, 2.0), (BodyLevel(6, 1),)), 0.10, BodyLevel(6, 1), at)
     if comm.rank == 0:
         print(
             json.dumps(

@@ -1,8 +1,8 @@
-"""The branch study: cases are kept, read back, repeated when something changed; modes in the plane of symmetry."""
+"""The branch study: cases are kept, repeated when something changed; modes in the plane of symmetry."""
 
 from __future__ import annotations
 
-import json
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -11,21 +11,24 @@ from mpi4py import MPI
 
 from solvers.state import State
 from studies.branches import study as branch_study
-from studies.branches.cases import SQUIRM_SCENE, in_plane, mirrored
-from studies.branches.study import read_case, run_study, write_report
+from studies.branches.findings import Findings
+from studies.branches.squirm import SCENE, in_plane, mirrored
+from studies.branches.study import STUDY, cases, solve
+from studies.engine import Setting, run
+from studies.progress import Progress
 from studies.results.rows import read_rows
 from studies.scene.files import load_bellows
 from studies.scene.meshes import scene_body, scene_meridian
 
 
 @pytest.fixture(scope="module")
-def kept(tmp_path_factory) -> Path:
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("branches")
-    write_report(folder, run_study(folder, MPI.COMM_SELF, ["two-spheres", "cube"]))
+    assert run(STUDY, folder, MPI.COMM_SELF, {"case": ("two-spheres", "cube")}) == 0
     return folder
 
 
-def test_cases_are_within_half_a_percent_of_exact(kept) -> None:
+def test_cases_are_within_half_a_percent_of_exact(kept: Path) -> None:
     rows = [r for r in read_rows(kept / "rows.csv") if r.quantity == "load_kpa"]
     assert {r.scene for r in rows} == {"two-spheres", "cube"}
     # measured 3e-3 % at most
@@ -38,29 +41,21 @@ def test_cases_are_within_half_a_percent_of_exact(kept) -> None:
     assert "## Rivlin's cube" in report and "squirms\n\nTwo convolutions" not in report
 
 
-def test_cases_that_are_there_are_not_solved_again(kept, monkeypatch) -> None:
-    def forbidden(_):
+def test_cases_that_are_there_are_not_solved_again(kept: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def forbidden(_: MPI.Comm) -> Findings:
         raise AssertionError("solved again")
 
-    monkeypatch.setattr(branch_study, "CASES", {"cube": forbidden})
-    ((result, stamp),) = run_study(kept, MPI.COMM_SELF, ["cube"])
-    assert result.name == "cube" and stamp["ranks"] == "1"
+    (cube,) = cases({"case": ("cube",)})
+    cube = dataclasses.replace(cube, solve=forbidden)
+    at = Setting(kept, MPI.COMM_SELF, Progress(MPI.COMM_SELF), {})
+    assert list(solve(cube, at).branches) == ["plates", "rods"]
     monkeypatch.setattr(branch_study.provenance, "code_hash", lambda: "another")
     with pytest.raises(AssertionError, match="solved again"):
-        run_study(kept, MPI.COMM_SELF, ["cube"])
-
-
-def test_damaged_and_missing_cases_are_none(kept, tmp_path) -> None:
-    assert read_case(tmp_path, "cube") is None
-    (tmp_path / "cases").mkdir()
-    text = (kept / "cases" / "cube.json").read_text(encoding="utf-8")
-    for damaged in (text[: len(text) // 2], json.dumps({"content_hash": branch_study.case_hash("cube")}), "[]"):
-        (tmp_path / "cases" / "cube.json").write_text(damaged, encoding="utf-8")
-        assert read_case(tmp_path, "cube") is None
+        solve(cube, at)
 
 
 def test_part_of_a_mode_in_the_plane_of_symmetry() -> None:
-    body = scene_body(scene_meridian(load_bellows(SQUIRM_SCENE), 1), "full3d", 6)
+    body = scene_body(scene_meridian(load_bellows(SCENE), 1), "full3d", 6)
     x, y, z = body.points.T
     # a shear along a direction at 30 degrees from x, and a ring that follows
     way = np.array([np.cos(np.pi / 6.0), np.sin(np.pi / 6.0), 0.0])

@@ -4,25 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from functools import partial
 from pathlib import Path
 
 import pytest
+from mpi4py import MPI
 
 from studies.cost import study as cost_study
-from studies.cost.cells import BELLOWS, TUBE, Cell, Measurement, all_cells, cell_scene, is_default, measurement
-from studies.cost.report import by_model, write_cost_report
-from studies.cost.rows import (
-    BELLOWS_FLOOR_PERCENT,
-    Point,
-    farming_rows,
-    front,
-    measured_rows,
-    off_front,
-    points,
-    power_law,
-)
-from studies.cost.study import Store, cell_key, measure_cell, peer_rows, study_rows
+from studies.cost.cases import BATCHES, BELLOWS, CELLS, LARGE, TUBE, Batch, Cell, cell_scene, is_default
+from studies.cost.measure import Measurement, keep_quieter, kept_measurement, key_of, measure_cell
+from studies.cost.page import content
+from studies.cost.points import BELLOWS_FLOOR_PERCENT, Point, front, off_front, points, power_law
+from studies.cost.rows import batch_rows, measured_rows
+from studies.cost.solver_benchmark import STUDY as BENCHMARK
+from studies.cost.study import STUDY, peer_rows, study_rows
+from studies.engine import Page, run
 from studies.results.rows import Row, read_rows, row, write_rows
 from studies.scene.bellows import BellowsScene
 
@@ -36,10 +31,7 @@ def made_up(value: float, work_s: float = 1.0, unknowns: int = 1000) -> Measurem
 
 
 def point(work_s: float, error: float, level: str = "hex r1 auto 1x2", model: str = "axisymmetric") -> Point:
-    nan = math.nan
-    return Point(
-        "peer-bellows", model, level, error, error, work_s + 3.0, work_s, nan, nan, nan, nan, "reached", {}, False, 0.0
-    )
+    return Point("peer-bellows", model, level, error, error, False, made_up(20.0, work_s))
 
 
 def made_up_rows() -> list[Row]:
@@ -50,19 +42,18 @@ def made_up_rows() -> list[Row]:
 
 
 def test_cells_are_told_apart_and_can_all_be_made_into_scenes() -> None:
-    cells = all_cells()
-    names = [(cell.body, cell.model, cell.name) for cell in cells]
-    assert len(set(names)) == len(names)
+    cells = [*CELLS, *LARGE]
+    cases: list[Cell | Batch] = [*cells, *BATCHES]
+    assert len({case.name for case in cases}) == len({key_of(case) for case in cases}) == len(cases)
     for cell in cells:
         scene = cell_scene(cell)
         assert scene.mesh.element == ("auto" if cell.element == "none" else cell.element)
         if isinstance(scene, BellowsScene) and cell.element == "hex":
             assert scene.rings.model == "rigid"
-    assert len({cell_key(cell) for cell in cells}) == len(cells)
 
 
 def test_default_settings_are_among_the_cells_of_both_models() -> None:
-    found = {(cell.body, cell.model) for cell in all_cells() if is_default(cell)}
+    found = {(cell.body, cell.model) for cell in CELLS if is_default(cell)}
     assert (BELLOWS, "axisymmetric") in found
     assert (BELLOWS, "full3d") in found
 
@@ -81,10 +72,10 @@ def test_points_carry_what_the_rows_say_and_peers_are_held_to_the_same_reference
     ]
     found = {p.name: p for p in points([*made_up_rows(), *theirs])}
     body, peer = found["full3d hex n8 warm 2x1"], found["peer_x tet10-n8r1"]
-    assert body.default and body.unknowns == 50_000 and body.split_s == {"factor": 15.0}
+    assert body.default and body.cost.unknowns == 50_000 and body.cost.split_s == {"factor": 15.0}
     assert peer.is_peer and peer.error_percent == pytest.approx(2.0)
     assert peer.time_s == 50.0 and body.time_s == 30.0
-    assert set(by_model(list(found.values()))) == {"axisymmetric", "full3d", "peers, full 3D"}
+    assert {p.group for p in found.values()} == {"axisymmetric", "full3d", "peers, full 3D"}
 
 
 def test_front_keeps_what_nothing_beats() -> None:
@@ -114,48 +105,89 @@ def test_errors_below_the_floor_are_equal() -> None:
 
 def test_power_law_of_a_power() -> None:
     law = power_law([1e3, 1e4, 1e5], [2.0 * x**1.5 for x in (1e3, 1e4, 1e5)])
-    assert law.exponent == pytest.approx(1.5) and law.worst == pytest.approx(1.0)
+    assert law.exponent == pytest.approx(1.5) and law.at(1e4) == pytest.approx(2e6)
     assert law.inverse(law.at(5e4)) == pytest.approx(5e4)
 
 
 def test_of_two_measurements_the_less_disturbed_is_kept(tmp_path: Path) -> None:
-    store = Store(tmp_path)
     of = ((1.0, math.nan), (2.0, 9.0), (3.0, 0.1))
     unknown, noisy, quiet = (dataclasses.replace(made_up(value), others_s=others) for value, others in of)
     assert unknown.disturbed and noisy.disturbed and not quiet.disturbed
     kept = []
     for found in (unknown, noisy, quiet, noisy):
-        store.take("key", partial(dataclasses.replace, found))
-        now = store.get("key")
+        keep_quieter(BODY, found, tmp_path)
+        now = kept_measurement(BODY, tmp_path)
         assert now is not None
         kept.append(now.value)
     assert kept == [1.0, 2.0, 3.0, 3.0]
-    assert study_rows(tmp_path, all_cells()) == []
+    assert {r.level for r in study_rows(tmp_path)} == {BODY.setting}
 
 
-def test_what_is_there_and_was_not_disturbed_is_not_measured_again(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def options_of(**given: object) -> dict[str, object]:
+    none = Path("/nowhere")
+    return {"minutes": math.inf, "large": False, "body": (), "peers": none, "model": none, **given}
+
+
+def test_what_is_disturbed_is_measured_once_more_and_what_is_not_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     noise = [9.0, 0.0]
+    order: list[str] = []
+
+    def measure(cell: Cell) -> Measurement:
+        order.append(cell.name)
+        return dataclasses.replace(made_up(1.0), others_s=noise.pop(0) if cell == BODY else 0.0)
+
     monkeypatch.setattr(cost_study, "BATCHES", ())
-    monkeypatch.setattr(cost_study, "measure_cell", lambda _: dataclasses.replace(made_up(1.0), others_s=noise.pop(0)))
-    said: list[str] = []
-    for _ in range(3):
-        assert cost_study.measure_all(tmp_path, [BODY], math.inf, said.append)
-    assert len(said) == 2 and "disturbed" in said[0] and "disturbed" not in said[1]
-    assert not cost_study.measure_all(tmp_path / "other", [BODY], -1.0, said.append)
+    monkeypatch.setattr(cost_study, "CELLS", (BODY, MERIDIANS[0]))
+    monkeypatch.setattr("studies.cost.measure.measure_cell", measure)
+    for _ in range(2):
+        assert run(STUDY, tmp_path, MPI.COMM_WORLD, options_of()) == 0
+    # what is missing comes first
+    assert order == [BODY.name, MERIDIANS[0].name, BODY.name]
+    said = capsys.readouterr().out
+    assert said.count("disturbed: others took 9.0 CPU s") == 1
+    assert run(STUDY, tmp_path / "other", MPI.COMM_WORLD, options_of(minutes=-1.0)) == 3
+    assert "2 not measured: run the same command again" in capsys.readouterr().err
 
 
-def test_report_of_made_up_rows(tmp_path: Path) -> None:
+def test_page_of_made_up_rows(tmp_path: Path) -> None:
     rows = made_up_rows()
-    rows += farming_rows("four actuators", "full3d", 1, made_up(1.0, 7.0))
-    rows += farming_rows("four actuators", "full3d", 2, made_up(1.0, 17.0))
-    write_rows(tmp_path / "rows.csv", rows)
-    page = write_cost_report(tmp_path)
-    text = page.with_suffix(".md").read_text(encoding="utf-8")
+    rows += batch_rows(Batch("full3d", 1), made_up(1.0, 7.0))
+    rows += batch_rows(Batch("full3d", 2), made_up(1.0, 17.0))
+    study = dataclasses.replace(STUDY, cases=lambda _: [], page=lambda _, at: Page(rows, content(rows, at.out)))
+    assert run(study, tmp_path, MPI.COMM_WORLD, {}) == 0
+    text = (tmp_path / "report.md").read_text(encoding="utf-8")
+    assert "All 4 measurements had the machine to themselves." in text
     assert "2.00 times as long" in text
     assert "study-paper's full3d hex n8 warm 2x1 on peer-bellows (0.5 % in 30.0 s): on the front" in text
     assert (tmp_path / "pictures" / "front-peer-bellows.png").exists()
+
+
+def test_page_of_the_rows_of_a_real_run(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: list[Path] = []
+    for draw in ("draw_front", "draw_times", "draw_growth"):
+        monkeypatch.setattr(f"studies.cost.page.{draw}", lambda path, *_, **__: drawn.append(path))
+    rows = read_rows(root / "docs" / "cost" / "rows.csv")
+    shown = content(rows, tmp_path)
+    assert shown["laws"].time.exponent == pytest.approx(1.25, abs=0.005)
+    assert shown["laws"].held == pytest.approx(1_726_000, rel=1e-3)
+    assert len(shown["own"]) == 93 and len(shown["disturbed"]) == 2 and len(shown["ratios"]) == 8
+    assert len(shown["model"].rows) == 20 and len(shown["ranks"].rows) == 17
+    expected = {"growth", "peers-peer-bellows"}
+    for body in ("tube", "peer-bellows", "heung-t2-ri5"):
+        expected |= {f"front-{body}", f"times-{body}"}
+    assert {path.stem for path in drawn} == expected
+
+
+def test_benchmark_has_its_rows_by_ranks_and_threads(root: Path, tmp_path: Path) -> None:
+    numbers = {"unknowns": (154_805.0, "1"), "tangent": (1.67, "s")}
+    study = dataclasses.replace(BENCHMARK, solve=lambda case, at: numbers)
+    assert run(study, tmp_path, MPI.COMM_SELF, {}) == 0
+    (beside,) = tmp_path.glob("rows-1x*.csv")
+    assert read_rows(beside) == read_rows(tmp_path / "rows.csv")
+    text = (tmp_path / "report.md").read_text(encoding="utf-8")
+    assert "| unknowns | 154805 |  |" in text and "16 cells round, for the starts 8 and 4 pressures" in text
 
 
 def test_of_the_peer_study_only_other_programs_and_ratios_are_taken(tmp_path: Path) -> None:
@@ -173,7 +205,6 @@ def test_a_small_cell_measured() -> None:
     cell = Cell(TUBE, "axisymmetric", "hex", "r1", "auto", 1, 1)
     found = measure_cell(cell)
     assert found.status == "reached"
-    assert measurement(found.as_json()).value == found.value
     (of,) = points(measured_rows({cell: found}))
     assert of.error_percent < 0.01
     assert 0.0 < found.work_s < found.wall_s

@@ -6,25 +6,26 @@ import csv
 import tomllib
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from mpi4py import MPI
 
-import studies.__main__
-import studies.command.unconverted
-import studies.dimensions.study
 from analytical.bellows.chains import closed_form
 from analytical.bellows.fit.masses import mass_allowed, rings_g, silicone_g
 from analytical.bellows.fit.members import WITHIN, members_of
 from analytical.bellows.loads import held_tip
 from analytical.bellows.paper import FAMILIES, PRINTED, REFERENCE_FAMILY, actuators
 from analytical.bellows.reading import BALANCED
-from studies.dimensions.fit import DimensionStudy, pick_sets, quantities
-from studies.dimensions.scenes import buildable, scene_of, standard_fittings, write_scenes
-from studies.dimensions.study import write_study
+from studies.dimensions.cases import Steps
+from studies.dimensions.fit import Fit, Picks, fit, pick_sets
+from studies.dimensions.predictions import QUANTITIES
+from studies.dimensions.scenes import FITTINGS, buildable, scene_of, write_scenes
+from studies.dimensions.study import STUDY, keep_scenes, recorded
+from studies.engine import Setting, run
 from studies.models.build import masses_g
+from studies.progress import Progress
+from studies.results import provenance
 from studies.results.rows import read_rows
 from studies.scene.bellows import dimensions_of
 from studies.scene.files import load_bellows
@@ -45,10 +46,10 @@ def test_the_rule_picks_the_recorded_sets() -> None:
 
 
 def test_recorded_sets_may_weigh_what_they_do_with_and_without_rings() -> None:
-    members, fittings = members_of(FAMILIES), standard_fittings()
-    silicone = silicone_g(members, fittings)
+    members = members_of(FAMILIES)
+    silicone = silicone_g(members, FITTINGS)
     assert mass_allowed(silicone).all()
-    assert mass_allowed(silicone + rings_g(members, fittings)).all()
+    assert mass_allowed(silicone + rings_g(members, FITTINGS)).all()
 
 
 @every_actuator
@@ -56,12 +57,12 @@ def test_estimated_mass_against_the_mesh(actuator) -> None:
     scene = scene_of(actuator)
     family = next(f for f in FAMILIES if actuator in actuators(f))
     column = [a.name for a in actuators(family)].index(actuator.name)
-    members, fittings = members_of((family,)), standard_fittings()
+    members = members_of((family,))
     silicone, rings = masses_g(scene, scene_meridian(scene, 1))
     # sharp corners for arcs: 12 % at the worst, where arcs of a 2 mm wall fill the half pitch
-    assert silicone_g(members, fittings)[0, column] == pytest.approx(silicone, rel=0.12)
+    assert silicone_g(members, FITTINGS)[0, column] == pytest.approx(silicone, rel=0.12)
     # edges of 0.5 mm radius are rounded off the rings: 0.11 of 8 mm2, nearer the outside
-    assert rings_g(members, fittings)[0, column] == pytest.approx(rings, rel=0.02)
+    assert rings_g(members, FITTINGS)[0, column] == pytest.approx(rings, rel=0.02)
 
 
 def test_what_can_be_built() -> None:
@@ -112,7 +113,7 @@ def test_scene_files_say_what_is_printed_inferred_and_chosen(root) -> None:
 
 def test_predictions_against_single_actuators() -> None:
     members = members_of(FAMILIES)
-    found = {q.label: q.measure(members) for q in quantities(standard_fittings())}
+    found = {q.label: q.measure(members) for q in QUANTITIES}
     for k, family in enumerate(FAMILIES):
         for j, actuator in enumerate(actuators(family)):
             d, law = actuator.dimensions, actuator.law
@@ -128,53 +129,54 @@ def test_predictions_against_single_actuators() -> None:
                 assert found[label][k, j] == pytest.approx(value, rel=1e-9)
 
 
-# --- the command ----------------------------------------------------------------------------
+# --- scenes that are requested --------------------------------------------------------------
 
 
 @pytest.mark.parametrize("as_recorded", [True, False])
 def test_scenes_are_written_only_if_the_record_holds(as_recorded, tmp_path, monkeypatch) -> None:
-    picks = SimpleNamespace(as_recorded=as_recorded, families=FAMILIES)
-    monkeypatch.setattr(studies.dimensions.study, "write_study", lambda out: SimpleNamespace(picks=picks))
-    monkeypatch.setattr(studies.command.unconverted.provenance, "ROOT", tmp_path)
-    asked = ["dimensions", "--out", str(tmp_path / "out"), "--write-scenes"]
-    result = CliRunner().invoke(studies.__main__.main, asked)
-    assert result.exit_code == (0 if as_recorded else 3)
-    written = sorted(path.stem for path in (tmp_path / "scenes").glob("*.toml"))
-    assert written == (sorted(actuator.name for actuator in TWELVE) if as_recorded else [])
-
-
-def test_output_that_cannot_be_written_is_refused(tmp_path) -> None:
-    blocker = tmp_path / "file"
-    blocker.write_text("")
-    result = CliRunner().invoke(studies.__main__.main, ["dimensions", "--out", str(blocker / "out")])
-    assert result.exit_code == 2
+    nobody = members_of(())
+    picks = Picks(nobody, np.array([], dtype=bool), nobody, FAMILIES if as_recorded else FAMILIES[::-1])
+    monkeypatch.setattr(provenance, "ROOT", tmp_path)
+    at = Setting(tmp_path / "out", MPI.COMM_WORLD, Progress(MPI.COMM_WORLD), {"write_scenes": True})
+    keep_scenes(picks, at)
+    names = sorted(actuator.name for actuator in TWELVE)
+    assert sorted(path.stem for path in (tmp_path / "out" / "scenes").glob("*.toml")) == names
+    assert sorted(path.stem for path in (tmp_path / "scenes").glob("*.toml")) == (names if as_recorded else [])
+    assert recorded(picks).met == as_recorded
+    assert ("edit FAMILIES" in recorded(picks).found) != as_recorded
 
 
 # --- the report -----------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
-def written(tmp_path_factory) -> tuple[Path, DimensionStudy]:
-    """The whole study: half a minute."""
-    folder = tmp_path_factory.mktemp("dimensions")
-    return folder, write_study(folder)
+def found() -> Fit:
+    """All that is found: half a minute."""
+    return fit(Steps())
+
+
+@pytest.fixture(scope="module")
+def folder(found: Fit, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What the study writes of it."""
+    out = tmp_path_factory.mktemp("dimensions")
+    study = replace(STUDY, solve=lambda steps, at: found)
+    assert run(study, out, MPI.COMM_WORLD, {"write_scenes": False}) == 0
+    return out
 
 
 @pytest.mark.slow
-def test_report_says_that_nothing_is_validated(written) -> None:
-    folder, study = written
+def test_report_says_that_nothing_is_validated(folder: Path) -> None:
     text = (folder / "report.md").read_text(encoding="utf-8")
     assert "validates\nnothing" in text
     assert "because it was made to" in text
-    assert "The three sets are the ones" in text
+    assert "analytical/bellows/paper.py records | the same | met |" in text
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert page.count('src="data:image/png;base64,') == 4
     assert 'src="pictures' not in page
 
 
 @pytest.mark.slow
-def test_rows_hold_the_fitted_numbers_and_the_ranges(written) -> None:
-    folder, study = written
+def test_rows_hold_the_fitted_numbers_and_the_ranges(folder: Path) -> None:
     rows = read_rows(folder / "rows.csv")
     fitted = [r for r in rows if (r.quantity, r.model, r.pressure_kpa) == ("tip_mm", "closed_form", 20.0)]
     assert [r.scene for r in fitted] == [actuator.name for actuator in TWELVE]
@@ -191,25 +193,21 @@ def test_rows_hold_the_fitted_numbers_and_the_ranges(written) -> None:
 
 
 @pytest.mark.slow
-def test_members_file_lists_all_sets_that_fit(written) -> None:
-    folder, study = written
+def test_members_file_lists_all_sets_that_fit(folder: Path, found: Fit) -> None:
     with (folder / "members.csv").open(encoding="utf-8") as stream:
         lines = list(csv.DictReader(stream))
-    assert len(lines) == len(study.fitting)
-    assert sum(line["mass_allowed"] == "yes" for line in lines) == len(study.members)
+    assert len(lines) == len(found.fitting)
+    assert sum(line["mass_allowed"] == "yes" for line in lines) == len(found.members)
     assert all(float(line["worst_error_percent"]) <= 100.0 * WITHIN for line in lines)
     # more than the sets to work with: the fit is not unique
     assert len(lines) > 100
-    assert (study.refined.worst_error <= WITHIN).all()
+    assert (found.refined.worst_error <= WITHIN).all()
 
 
 @pytest.mark.slow
-def test_a_finer_grid_moves_the_pick_to_the_bound(written) -> None:
-    _, study = written
-    coarse, middle, fine = study.rules
-    for rule in (coarse, middle):
-        assert rule.buildable is not None
-        assert rule.candidates.family(rule.buildable) == REFERENCE_FAMILY
-    assert fine.buildable is not None
+def test_a_finer_grid_moves_the_pick_to_the_bound(found: Fit) -> None:
+    coarse, middle, fine = (rule.pick for rule in found.rules if rule.shapes == "buildable")
+    for pick in (coarse, middle):
+        assert pick.family(0) == REFERENCE_FAMILY
     # "at the bound": within half a percent of it
-    assert fine.candidates.worst_error[fine.buildable] > WITHIN - 0.005
+    assert fine.worst_error[0] > WITHIN - 0.005

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +14,13 @@ from scipy.spatial.transform import Rotation
 from meshes.errors import GeometryError
 from solvers.state import State
 from studies.__main__ import main
-from studies.imperfection.study import Case, run_study, write_report
+from studies.engine import Setting, run
+from studies.imperfection.bodies import Actuator, solve
+from studies.imperfection.study import STUDY
 from studies.models.build import tip_pose
 from studies.planning.levels import BodyLevel
 from studies.planning.planner import describe, make_plan
+from studies.progress import Progress
 from studies.results.rows import read_rows
 from studies.results.runs import run_hash
 from studies.scene.bellows import core_shift_mm, without_eccentricity
@@ -108,31 +112,31 @@ def test_pose_of_a_turned_and_shifted_tip() -> None:
 
 def test_bend_is_of_first_and_elongation_of_second_order(edited, tmp_path) -> None:
     file = edited(("convolutions = 2", "convolutions = 1"), ("cap_mm = 5.0", "cap_mm = 3.0"))
-    case = Case(str(file), (2.0,), (BodyLevel(6, 1),))
-    out = tmp_path / "out"
-    ((_, found),) = run_study(out, MPI.COMM_SELF, [case])
-    centred, small, large = found
+    actuator = Actuator("mini", str(file), (2.0,), (BodyLevel(6, 1),))
+    study = dataclasses.replace(STUDY, cases=lambda options: [actuator])
+    assert run(study, tmp_path, MPI.COMM_SELF, {}) == 0
+    at = Setting(tmp_path, MPI.COMM_SELF, Progress(MPI.COMM_SELF), {})
+    centred, small, large = found = solve(actuator, at)
     assert [f.run.summary.status for f in found] == ["reached"] * 3
     # centred: the bend is round-off; bodies that turn take no more iterations than a few
     assert abs(centred.poses[2.0].bend_deg) < 1e-8
     assert all(row.newton_iterations <= 10 for f in found for row in f.run.path)
     bends = [f.poses[2.0].bend_deg for f in (small, large)]
     assert abs(bends[0]) > 0.1 and bends[1] / bends[0] == pytest.approx(2.0, rel=0.02)
-    changes = [f.tip_mm(2.0) - centred.tip_mm(2.0) for f in (small, large)]
+    changes = [f.value("tip_mm", 2.0) - centred.value("tip_mm", 2.0) for f in (small, large)]
     assert changes[1] / changes[0] == pytest.approx(4.0, rel=0.05)
     # the shift is along x: nothing goes along y
     assert abs(large.poses[2.0].across_mm) < 1e-6 * abs(large.poses[2.0].sideways_mm)
     assert all(f.run.path[-1].unstable_modes == 0 for f in found)
 
-    report = write_report(out, [(case, found)])
-    assert "grows with order" in report.read_text(encoding="utf-8")
-    assert (out / "pictures" / "bend.png").stat().st_size > 1000
-    assert (out / "pictures" / "bent-mini.png").stat().st_size > 1000
-    rows = read_rows(out / "rows.csv")
+    assert "grows with order" in (tmp_path / "report.md").read_text(encoding="utf-8")
+    assert (tmp_path / "pictures" / "bend.png").stat().st_size > 1000
+    assert (tmp_path / "pictures" / "bent-mini.png").stat().st_size > 1000
+    rows = read_rows(tmp_path / "rows.csv")
     assert {r.quantity for r in rows} == {"tip_mm", "tip_bend_deg", "tip_sideways_mm", "unstable_modes"}
     tip = next(r for r in rows if r.scene == "mini-e10" and r.quantity == "tip_mm")
-    assert tip.reference == pytest.approx(centred.tip_mm(2.0), rel=1e-8)
+    assert tip.reference == pytest.approx(centred.value("tip_mm", 2.0), rel=1e-8)
 
-    ((_, again),) = run_study(out, MPI.COMM_SELF, [case])
+    again = solve(actuator, at)
     assert [f.run.summary.when for f in again] == [f.run.summary.when for f in found]
     assert [f.run.summary.time_s for f in again] == [f.run.summary.time_s for f in found]

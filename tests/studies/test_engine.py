@@ -38,7 +38,13 @@ def page(solved: Sequence[Solved[Case, float]], at: Setting) -> Page:
     rows = [row(s.case.name, "square", "1", math.nan, "closed_form", s.result) for s in solved]
     total = sum(s.result for s in solved)
     stopped = ["one: stopped"] if at.options.get("stop") else []
-    return Page(rows, {"sections": []}, stopped, [Bar("total of at least 5", f"{total:g}", total >= 5.0)])
+    return Page(
+        rows,
+        {"sections": []},
+        stopped,
+        [Bar("total of at least 5", f"{total:g}", total >= 5.0)],
+        headlines=[f"total: {total:g}"],
+    )
 
 
 def study_of(*values: float, share: Literal["each", "all", "first"] = "each") -> Study[Case, float]:
@@ -50,13 +56,16 @@ def study_of(*values: float, share: Literal["each", "all", "first"] = "each") ->
 
 
 @pytest.mark.parametrize("share", ["each", "all", "first"])
-def test_rows_come_in_the_order_of_the_cases(share: Literal["each", "all", "first"], tmp_path: Path) -> None:
+def test_rows_come_in_the_order_of_the_cases(
+    share: Literal["each", "all", "first"], tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
     assert run(study_of(1.0, 2.0, 3.0, share=share), tmp_path, MPI.COMM_WORLD, {}) == 0
     assert [(r.scene, r.value) for r in read_rows(tmp_path / "rows.csv")] == [
         ("case-0", 1.0),
         ("case-1", 4.0),
         ("case-2", 9.0),
     ]
+    assert capfd.readouterr().out.startswith("total: 14\nreport: ")
     text = (tmp_path / "report.md").read_text(encoding="utf-8")
     assert "# Squares" in text and "| total of at least 5 | 14 | met |" in text and "Stopped early" not in text
 
@@ -84,6 +93,12 @@ def test_bad_cases_are_refused_with_nothing_written(tmp_path: Path) -> None:
     done = CliRunner().invoke(command, ["--out", str(tmp_path / "new")])
     assert done.exit_code == 2 and "scene x: no wall" in done.output
     assert not (tmp_path / "new").exists()
+
+
+def test_output_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    done = CliRunner().invoke(command_of(study_of(1.0)), ["--out", str(tmp_path / "file" / "out")])
+    assert done.exit_code == 2 and "is not a folder that can be written to" in done.output
 
 
 def test_values_are_kept_under_what_decides_them(tmp_path: Path) -> None:

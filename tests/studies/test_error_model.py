@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
 import math
 from pathlib import Path
 
@@ -9,20 +11,11 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from studies.cost.error_fit import (
-    FINEST,
-    TOLERANCE_SCENES,
-    TRAINING,
-    Sample,
-    check_rows,
-    factors,
-    fit,
-    in_cells,
-    limits_of,
-    sample,
-    time_laws,
-    training_scenes,
-)
+from studies.cost.error_model.cases import FINEST, KINDS, TRAINING, Trial, check_scenes, in_cells, training_scenes
+from studies.cost.error_model.checks import CHECKED, CHOSEN, check_rows, factors
+from studies.cost.error_model.fit import Sample, fit, limits_of, sample, time_laws
+from studies.cost.error_model.study import STUDY
+from studies.engine import run
 from studies.planning import error_model
 from studies.planning.error_model import (
     FITS,
@@ -39,12 +32,10 @@ from studies.planning.error_model import (
 from studies.planning.levels import MERIDIANS
 from studies.progress import Progress
 from studies.results import provenance
-from studies.results.rows import row
+from studies.results.rows import read_rows, row
 from studies.scene.bellows import BellowsScene
 from studies.scene.files import load_bellows
 from studies.scene.meshes import scene_meridian
-
-CHECKS = sorted(TOLERANCE_SCENES.glob("*.toml"))
 
 
 def actuator() -> BellowsScene:
@@ -71,7 +62,7 @@ def made_up_samples(power: float, count: int = 12) -> list[Sample]:
 
 
 def test_ten_check_scenes_span_what_they_should_and_are_not_trained_on() -> None:
-    scenes = [load_bellows(path) for path in CHECKS]
+    scenes = check_scenes()
     assert len(scenes) == 10
     assert {scene.material.law for scene in scenes} == {"yeoh", "ogden"}
     assert len({(s.rings.seat_mm, s.geometry.fillet_mm, s.geometry.half_pitch_mm) for s in scenes}) == 3
@@ -177,11 +168,34 @@ def test_time_laws_from_rows_of_the_cost_study() -> None:
 
 def test_one_small_scene_from_runs_to_rows(tmp_path: Path) -> None:
     scene = training_scenes()[3]
-    found = sample(scene, "hex", (1, 2, 4), tmp_path, Progress(MPI.COMM_SELF))
+    found = sample(Trial(scene, "hex"), (1, 2, 4), tmp_path, MPI.COMM_SELF, Progress(MPI.COMM_SELF))
     assert found.unknowns[2] > found.unknowns[1]
     assert found.features == features(in_cells(scene, "hex"))
-    limits = {scene.name: found.limits_mm()}
-    rows = check_rows([scene], [found], limits)
-    checked = factors(rows, "checked_error_percent", "hex")
+    rows = check_rows(scene, found, {scene.name: found.limits_mm()})
+    checked = factors(rows, CHECKED, "hex")
     assert len(checked) == len(MERIDIANS)
     assert all(factor >= 1.0 for factor in checked.values())
+
+
+def test_page_of_made_up_samples(tmp_path: Path) -> None:
+    """Constants of the fit, and the check of scenes that it was not fitted to."""
+    made_up = made_up_samples(0.7)
+    scenes = training_scenes()[:10] + check_scenes()[:2]
+    samples = {
+        (scene.name, cells): dataclasses.replace(of, scene=scene.name, cells=cells)
+        for scene, of in zip(scenes, made_up, strict=True)
+        for cells in KINDS
+    }
+    study = dataclasses.replace(
+        STUDY,
+        cases=lambda _: [Trial(scene, cells) for cells in KINDS for scene in scenes],
+        solve=lambda trial, at: samples[trial.scene.name, trial.cells],
+    )
+    assert run(study, tmp_path, MPI.COMM_SELF, {"cost": tmp_path / "none.csv"}) == 0
+    rows = read_rows(tmp_path / "rows.csv")
+    assert [(r.scene, r.level[:3]) for r in rows if r.quantity == CHOSEN] == [
+        (scene.name, cells) for cells in KINDS for scene in scenes[10:]
+    ]
+    text = (tmp_path / "report.md").read_text(encoding="utf-8")
+    assert 'FITS "hex": Fit(constants=' in text and 'FITS "tet": Fit(' in text
+    assert len(json.loads((tmp_path / "samples.json").read_text(encoding="utf-8"))) == 24

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 
-from meshes import child
+from meshes.by_gmsh import child
 from studies import launch
 
 
@@ -38,3 +41,27 @@ def test_threads_and_launcher(monkeypatch, tmp_path: Path) -> None:
 def test_two_ranks_know_each_other(python) -> None:
     code = "from mpi4py import MPI; n = MPI.COMM_WORLD.allreduce(1); print(n) if MPI.COMM_WORLD.rank == 0 else None"
     assert python.run(2, "-c", code).split() == ["2"]
+
+
+def test_a_run_over_its_limit_is_stopped_with_its_children() -> None:
+    ended = launch.run(["sh", "-c", "sleep 60 & sleep 60"], {}, 0.5)
+    assert ended.code == -1 and ended.wall_s < 15.0
+
+
+def test_what_a_child_said_last() -> None:
+    ended = launch.run(["sh", "-c", "echo noise; echo '{\"tip_mm\": 1}'; echo '{done'; echo no >&2"], {}, 10.0)
+    assert ended.code == 0 and ended.said == {"tip_mm": 1} and ended.last_line == "no"
+    ended = launch.run(["sh", "-c", "echo nothing"], {}, 10.0)
+    assert ended.said is None and ended.last_line == "nothing"
+
+
+def test_a_run_leaves_nothing_behind_when_it_is_terminated(tmp_path: Path) -> None:
+    code = "from studies import launch; launch.run(['sh', '-c', 'sleep 60 & echo $! > {0}; wait'], {{}}, 60.0)"
+    file = tmp_path / "pid"
+    parent = subprocess.Popen([sys.executable, "-c", code.format(file)], cwd=launch.ROOT)
+    while not (file.exists() and file.read_text()):
+        time.sleep(0.05)
+    parent.terminate()
+    assert parent.wait(30.0) == 128 + signal.SIGTERM
+    status = Path(f"/proc/{file.read_text().strip()}/status")  # gone, or nobody has asked for its end yet
+    assert not status.exists() or "Z (zombie)" in status.read_text()

@@ -1,4 +1,4 @@
-"""Counts by harmonic in runs: path.csv, modes.json, the modes command, revolved shapes."""
+"""Counts by harmonic in runs: path.csv, modes.json, the modes study, revolved shapes."""
 
 from __future__ import annotations
 
@@ -141,10 +141,10 @@ def test_solve_says_that_a_held_tip_bends_sideways(blocked) -> None:
 
 
 @pytest.mark.slow
-def test_modes_command_writes_rows_and_draws_the_mode(tmp_path) -> None:
+def test_modes_study_writes_rows_and_draws_the_mode(tmp_path) -> None:
     scene = tmp_path / "tube.toml"
     scene.write_text(TUBE.format(name="tube", length=100.0), encoding="utf-8")
-    result = CliRunner().invoke(main, ["modes", str(scene), "--out", str(tmp_path / "out")])
+    result = CliRunner().invoke(main, ["study", "modes", str(scene), "--out", str(tmp_path / "out")])
     assert result.exit_code == 0, result.output
     rows = read_rows(tmp_path / "out" / "rows.csv")
     counts = {(r.quantity, r.pressure_kpa, r.level): r.value for r in rows if r.quantity.startswith("unstable")}
@@ -158,9 +158,9 @@ def test_modes_command_writes_rows_and_draws_the_mode(tmp_path) -> None:
     assert kept["crossings"][0]["tip_mm"] is None  # a tube between two clamps has no tip
 
 
-def test_modes_command_refuses_what_is_no_body_of_revolution(tmp_path) -> None:
+def test_modes_study_refuses_what_is_no_body_of_revolution(tmp_path) -> None:
     scene = ROOT / "scenes" / "exact" / "cube.toml"
-    result = CliRunner().invoke(main, ["modes", str(scene), "--out", str(tmp_path / "out")])
+    result = CliRunner().invoke(main, ["study", "modes", str(scene), "--out", str(tmp_path / "out")])
     assert result.exit_code == 2
     assert "block" in result.output and not (tmp_path / "out").exists()
 
@@ -191,7 +191,7 @@ def test_modes_are_the_same_on_two_ranks(python, tmp_path) -> None:
     rows = []
     for ranks in (1, 2):
         out = tmp_path / f"on-{ranks}"
-        python.run(ranks, "-m", "studies", "modes", *scenes, "--out", out)
+        python.run(ranks, "-m", "studies", "study", "modes", *scenes, "--out", out)
         rows.append((out / "rows.csv").read_bytes())
     assert rows[0] == rows[1]
     assert b"crossing_m1_kpa" in rows[0] and b"none up to 12 kPa" in rows[0]

@@ -3,24 +3,37 @@
 import json
 import math
 import xml.etree.ElementTree as ET
+from pathlib import Path
 
 import numpy as np
 import pytest
+from mpi4py import MPI
 
 from analytical.laws.stiff import PLA
 from meshes.cells import cell_shape
+from studies import launch
+from studies.engine import run
 from studies.peers import environment
 from studies.peers import study as peer_study
+from studies.peers.cases import OURS, SCENE, attempts, peer_scene, script_of
 from studies.peers.exchange import Level, peer_mesh, write_peer_mesh
 from studies.peers.febio_deck import write_febio_deck
 from studies.peers.fronts import Point, best, floored, front, lasting, ratio_at_equal_error, ratio_to_fastest, time_at
-from studies.peers.study import Measurement, comparison_rows, last_json, lines_to_write, peer_command, timed
-from studies.scene.files import load_bellows
+from studies.peers.measure import (
+    Measurement,
+    keep_measurement,
+    lines_to_write,
+    measure_ours,
+    measure_peer,
+    peer_command,
+)
+from studies.peers.rows import comparison_rows
+from studies.results.rows import read_rows
 
 
 @pytest.fixture(scope="module")
 def scene():
-    return load_bellows(peer_study.SCENE)
+    return peer_scene()
 
 
 def measure(points, cells):
@@ -133,15 +146,17 @@ def test_an_error_that_a_finer_mesh_exceeds_does_not_last():
     assert lasting([]) == []
 
 
-def test_accidents_of_coarse_meshes_are_told_apart_in_the_ratios():
-    def of(code, label, tip_mm, unknowns, wall_s):
-        return Measurement(code, 3, label, tip_mm, unknowns, wall_s, 100.0, 10, "")
+def made_up(name, tip_mm, unknowns, wall_s, reason=""):
+    (attempt,) = (a for a in attempts() if a.name == name)
+    return attempt, Measurement(tip_mm, unknowns, wall_s, 100.0, 33, reason, 5.0)
 
+
+def test_accidents_of_coarse_meshes_are_told_apart_in_the_ratios():
     measured = [
-        of("felupe", "hex27-n8r1 first=0.1", 100.01, 10, 20.0),
-        of("felupe", "hex27-n12r1 first=0.1", 100.4, 20, 50.0),
-        of("felupe", "hex27-n8r1 first=0.2", 99.0, 10, 15.0),
-        of("ours", "hex, rigid rings, tolerance 1 %, 1 rank", 99.6, 9, 4.0),
+        made_up("felupe hex27-n8r1 formulation=mean first=0.1", 100.01, 10, 20.0),
+        made_up("felupe hex27-n12r1 formulation=mean first=0.1", 100.4, 20, 50.0),
+        made_up("felupe hex27-n8r1 formulation=mixed first=0.2", 99.0, 10, 15.0),
+        made_up("ours hex, rigid rings, tolerance 1 %, 1 rank", 99.6, 9, 4.0),
     ]
     rows = comparison_rows("s", 10.0, 100.0, "reference", measured)
     found = {r.quantity: r for r in rows}
@@ -163,9 +178,9 @@ def test_ratios():
 
 def test_rows_hold_errors_times_and_ratios():
     measured = [
-        Measurement("ours", 3, "hex", 99.5, 1000, 8.0, 500.0, 33, ""),
-        Measurement("calculix", 3, "coarse", 98.0, 900, 160.0, 200.0, 92, ""),
-        Measurement("felupe", 3, "fine", math.nan, 0, 1200.0, math.nan, 110, "stopped after 1200 s"),
+        made_up("ours hex, rigid rings, tolerance 1 %, 1 rank", 99.5, 1000, 8.0),
+        made_up("calculix tet10-n8r1 first=0.25", 98.0, 900, 160.0),
+        made_up("felupe hex27-n12r2 formulation=mean first=0.1", math.nan, 0, 1200.0, "stopped after 1200 s"),
     ]
     rows = comparison_rows("s", 10.0, 100.0, "reference", measured)
     found = {(r.model, r.quantity): r for r in rows}
@@ -184,14 +199,6 @@ def test_missing_peers_are_named(tmp_path, monkeypatch):
     assert environment.missing("ours") == ""
 
 
-def test_a_run_over_its_limit_is_stopped_with_its_children(tmp_path):
-    code, wall, _, _ = timed(["sh", "-c", "sleep 60 & sleep 60"], {}, 0.5)
-    assert code is None and wall < 15.0
-    code, _, output, _ = timed(["sh", "-c", "echo noise; echo '{\"tip_mm\": 1}'; echo done"], {}, 10.0)
-    assert code == 0 and last_json(output) == {"tip_mm": 1}
-    assert last_json("nothing") is None
-
-
 def test_lines_are_those_a_user_writes(tmp_path):
     script = tmp_path / "a.py"
     script.write_text('"""Title.\n\nText.\n"""\n\n# why\nx = 1\n\n\ndef f():\n    """Say."""\n    return x\n')
@@ -204,5 +211,74 @@ def test_lines_are_those_a_user_writes(tmp_path):
 def test_options_reach_the_scripts(tmp_path):
     command, variables = peer_command("calculix", tmp_path / "m.npz", {"first": 0.1})
     assert json.loads(command[-1]) == {"first": 0.1} and variables["OMP_NUM_THREADS"] == "2"
-    for attempt in peer_study.attempts(peer_study.PEERS, [2, 3]):
-        assert attempt.level is not None and peer_study.script_of(attempt.code).exists()
+    assert all(attempt.code == OURS or script_of(attempt.code).exists() for attempt in attempts())
+
+
+def test_what_a_peer_says_is_read_and_why_another_says_nothing(tmp_path, monkeypatch):
+    (attempt,) = (a for a in attempts() if a.name == "calculix tri6-r1 first=0.25")
+    said = {"tip_mm": 9.0, "dofs": 70, "peak_mb": 50.0, "reason": "", "pressure_mpa": 0.01}
+
+    def answer(code, out, error=""):
+        monkeypatch.setattr(launch, "run", lambda *_: launch.Ended(code, out, error, 7.0, 5.0, 0.0))
+        return measure_peer(attempt, tmp_path, 10.0)
+
+    found = answer(0, f"noise\n{json.dumps(said)}\ndone\n")
+    assert (found.tip_mm, found.unknowns, found.wall_s, found.cpu_s, found.reason) == (9.0, 70, 7.0, 5.0, "")
+    stopped = answer(0, json.dumps(said | {"reason": "diverged", "pressure_mpa": 0.004}))
+    assert math.isnan(stopped.tip_mm) and stopped.reason == "stopped at 4 kPa: diverged"
+    assert answer(3, "", "first\nlast\n\n").reason == "exit 3: last"
+    late = answer(-1, json.dumps(said))
+    assert late.timed_out and late.reason == "stopped after 7 s" and math.isnan(late.tip_mm)
+
+
+def test_ours_is_solved_twice_and_read_from_its_folder(monkeypatch):
+    (attempt,) = (a for a in attempts() if a.label == "tet, meshed rings, tolerance 1 %, 2 ranks")
+    seen = []
+
+    def solve(command, variables, limit_s):
+        scene, out = (Path(command[command.index(name) + 1]) for name in ("solve", "--out"))
+        seen.append((out.name, 'element = "tet"' in scene.read_text(), variables["OMP_NUM_THREADS"]))
+        out.mkdir()
+        (out / "summary.json").write_text(json.dumps({"dofs": 70, "peak_mb": 50.0}))
+        (out / "path.csv").write_text("tip_mm,status\n1.0,step\n9.0,requested\n")
+        return launch.Ended(0, "", "", 7.0, 5.0, 0.0)
+
+    monkeypatch.setattr(launch, "run", solve)
+    found = measure_ours(attempt, 10.0)
+    assert seen == [("warm", True, "1"), ("timed", True, "1")]
+    assert (found.tip_mm, found.unknowns, found.peak_mb, found.reason) == (9.0, 70, 50.0, "")
+    assert found.lines == lines_to_write(SCENE)
+
+
+def test_study_keeps_skips_and_leaves_out_what_is_finer_than_what_was_stopped(tmp_path, monkeypatch, capsys):
+    made = []
+
+    def measure(attempt, out, limit_s):
+        made.append(attempt.name)
+        late = attempt.code == "felupe" and "formulation=mean" in attempt.label
+        wall, tip = (limit_s, math.nan) if late else (10.0, 9.0)
+        reason = f"stopped after {limit_s:.0f} s" if late else ""
+        found = Measurement(tip, 70, wall, 50.0, 33, reason, 5.0)
+        keep_measurement(attempt, out, found)
+        return found
+
+    monkeypatch.setattr(environment, "missing", lambda code: "no ccx" if code == "calculix" else "")
+    monkeypatch.setattr(peer_study, "measure", measure)
+    monkeypatch.setattr(peer_study, "reference_tip", lambda *_: (9.1, 0.01))
+    options = {"code": ("calculix", "felupe", "ours"), "dimension": ("2",), "levels": 3, "budget": math.inf}
+    assert run(peer_study.STUDY, tmp_path, MPI.COMM_SELF, {**options, "limit": 600.0}) == 0
+    text = (tmp_path / "report.md").read_text(encoding="utf-8")
+    assert "- calculix: skipped: no ccx" in text
+    assert "- felupe quad9-r2 formulation=mean first=0.1: not run, a coarser mesh was stopped at the limit" in text
+    assert len(made) == 3 + 1 + 3 * 2  # ours, the mean formulation's coarsest mesh, the mixed one's all
+    rows = read_rows(tmp_path / "rows.csv")
+    assert {r.model for r in rows} == {"axisymmetric", "peer_felupe", "full3d"}
+    # what is there is kept; what was stopped is made again if it is allowed longer
+    made.clear()
+    assert run(peer_study.STUDY, tmp_path, MPI.COMM_SELF, {**options, "limit": 600.0}) == 0
+    assert made == []
+    assert run(peer_study.STUDY, tmp_path, MPI.COMM_SELF, {**options, "limit": 900.0}) == 0
+    assert made == ["felupe quad9-r1 formulation=mean first=0.1"]
+    over = {**options, "limit": 1200.0, "budget": -1.0}
+    assert run(peer_study.STUDY, tmp_path, MPI.COMM_SELF, over) == 0
+    assert len(made) == 1 and "the time is over" in capsys.readouterr().out

@@ -11,20 +11,22 @@ from mpi4py import MPI
 from analytical.exact.sphere import Sphere, limit_point
 from analytical.laws.isotropic import NeoHooke
 from analytical.laws.silicones import DRAGON_SKIN_10
+from studies.engine import Solved, run
+from studies.results.kept import read_kept
 from studies.results.rows import read_rows
-from studies.stability import run as stability_run
-from studies.stability import study as stability_study
-from studies.stability.cells import AXES, Bellows, Cell, Round, cells, controls
+from studies.stability.cases import AXES, CONTROL, cases, controls, product
+from studies.stability.cells import Bellows, Cell, Round
 from studies.stability.exact import exact_answer
-from studies.stability.report import Result, demands_of
-from studies.stability.run import Outcome, key_of, read_outcome, run_cell
+from studies.stability.judge import CRASH, Outcome
+from studies.stability.run import Job, run_cell, run_in_child
+from studies.stability.study import bars_of, job_of, key_of, stress_test
 
 TUBE = Round("tube", along=1, through=2)
 SPHERE = Round("sphere", along=4, through=2)
 SOFTER = dataclasses.replace(TUBE, kappa_over_mu=100.0)
 
 
-def run(cell: Cell) -> Outcome:
+def outcome(cell: Cell) -> Outcome:
     return run_cell(cell, MPI.COMM_SELF)
 
 
@@ -33,14 +35,17 @@ def cell(body: Round | Bellows, load_kpa: float, **more) -> Cell:
 
 
 def test_there_are_enough_cells_and_values_and_each_has_its_place() -> None:
-    every = cells()
+    every = product()
     assert len(every) >= 200
     assert {c.axis for c in every} == {axis.name for axis in AXES}
     assert len({(c.axis, c.row, c.column) for c in every}) == len(every)
     for axis in AXES:
         of = [c for c in every if c.axis == axis.name]
         assert len({c.column for c in of}) >= 5, axis
-    assert all(flawed.flaw and not sound.flaw for flawed, sound in controls())
+    assert all(
+        a.flaw and dataclasses.replace(a, flaw="") == b for a, b in zip(controls()[::2], controls()[1::2], strict=True)
+    )
+    assert len({c.name for c in cases()}) == len(cases()) == len(every) + len(controls())
 
 
 @pytest.mark.parametrize(
@@ -48,7 +53,7 @@ def test_there_are_enough_cells_and_values_and_each_has_its_place() -> None:
     [(TUBE, 20.0), (TUBE, -10.0), (SPHERE, 20.0), (SPHERE, -10.0), (SOFTER, 20.0)],
 )
 def test_right_answers(body: Round, load_kpa: float) -> None:
-    found = run(cell(body, load_kpa))
+    found = outcome(cell(body, load_kpa))
     assert (found.verdict, found.share, found.reason) == ("right", 1.0, "")
     assert abs(found.error_percent) < 0.05
     assert found.pressure_error_percent < 5.0
@@ -59,27 +64,27 @@ def test_a_load_beyond_the_limit_point_is_a_stop_at_the_limit_point() -> None:
     body = dataclasses.replace(SPHERE, law=NeoHooke(0.05))
     limit = 1e3 * exact_answer(body, 0.1).reachable_mpa
     assert 20.0 < limit < 60.0
-    found = run(cell(body, 100.0))
+    found = outcome(cell(body, 100.0))
     assert (found.verdict, found.cause) == ("stop", "limit point")
     assert found.share == pytest.approx(1.0, abs=0.02)
     assert found.reason
 
 
 def test_a_scene_or_a_mesh_that_cannot_be_is_refused_by_name() -> None:
-    found = run(cell(Bellows((("geometry.wall_mm", -1.0),)), 5.0))
+    found = outcome(cell(Bellows((("geometry.wall_mm", -1.0),)), 5.0))
     assert (found.verdict, found.cause) == ("refusal", "SceneError")
     assert "geometry.wall_mm = -1.0" in found.reason
-    folded = run(cell(dataclasses.replace(TUBE, along=3, through=3, noise=1.0, seed=1), 5.0))
+    folded = outcome(cell(dataclasses.replace(TUBE, along=3, through=3, noise=1.0, seed=1), 5.0))
     assert (folded.verdict, folded.cause) == ("refusal", "SolverError")
     assert "fold over" in folded.reason
 
 
 def test_whatever_is_not_named_is_wrong(monkeypatch) -> None:
-    def crash(*_: object) -> None:
+    def broken(*_: object) -> None:
         raise ZeroDivisionError("nobody thought of it")
 
-    monkeypatch.setattr(stability_run, "_solve", crash)
-    found = run(cell(TUBE, 5.0))
+    monkeypatch.setattr("studies.stability.run.pose", broken)
+    found = outcome(cell(TUBE, 5.0))
     assert (found.verdict, found.cause) == ("wrong", "crash")
     assert "nobody thought of it" in found.reason
 
@@ -92,8 +97,8 @@ def test_whatever_is_not_named_is_wrong(monkeypatch) -> None:
     ],
 )
 def test_controls_fail_where_the_solver_is_right(flaw, body: Round) -> None:
-    assert run(cell(body, 20.0)).verdict == "right"
-    assert run(cell(body, 20.0, flaw=flaw)).verdict == "wrong"
+    assert outcome(cell(body, 20.0)).verdict == "right"
+    assert outcome(cell(body, 20.0, flaw=flaw)).verdict == "wrong"
 
 
 def test_the_key_is_what_is_solved_and_not_where_it_is_drawn() -> None:
@@ -112,40 +117,55 @@ def test_a_study_is_reported_and_done_once(tmp_path, monkeypatch) -> None:
         cell(Bellows((("geometry.wall_mm", -1.0),)), 5.0),
         Cell("ranks", "tube", "2 × 1", TUBE, 10.0, ranks=2),
     ]
-    flawed = cell(SOFTER, 20.0, flaw="raw energy")
-    pairs = [(flawed, dataclasses.replace(flawed, flaw=""))]
-    path, ok = stability_study.run_study(tmp_path, MPI.COMM_SELF, some, pairs)
+    flawed = Cell(CONTROL, "tube", "κ/µ = 100", SOFTER, 20.0, flaw="raw energy")
+    study = stress_test([*some, flawed, dataclasses.replace(flawed, flaw="")])
+    assert run(study, tmp_path, MPI.COMM_SELF, {}) == 3  # too few cells
     text = (tmp_path / "report.md").read_text(encoding="utf-8")
-    assert path == tmp_path / "report.html"
-    assert path.exists()
-    assert not ok  # too few cells
-    assert "| no wrong answer | 0 wrong | yes |" in text
+    assert "| at least 200 cells | 5 | NOT MET |" in text
+    assert "| no wrong answer | 0 wrong | met |" in text
+    assert "| controls fail where the solver is right | 1 of 1 | met |" in text
     assert "limit point" in text
     assert "geometry.wall_mm = -1.0" in text
     assert (tmp_path / "pictures" / "kappa.png").exists()
     rows = read_rows(tmp_path / "rows.csv")
     endings = [r.status.split(" ")[0].rstrip(":") for r in rows if r.quantity != "unstable_modes"]
     assert endings[:5] == ["reached", "reached", "stopped", "refused", "reached"]
-    ranked = read_outcome((tmp_path / "cells" / f"{key_of(some[-1])}.json").read_text(encoding="utf-8"))
-    assert ranked.verdict == "right"
-    assert ranked.value_mm == pytest.approx(run(cell(TUBE, 10.0)).value_mm, rel=1e-9)
+    ranked = job_of(some[-1], [], tmp_path)
+    found = read_kept(ranked.file, ranked.key, Outcome)
+    assert found is not None and found.verdict == "right"
+    assert found.value_mm == pytest.approx(outcome(cell(TUBE, 10.0)).value_mm, rel=1e-9)
 
     def again(*_: object) -> None:
         raise AssertionError("solved twice")
 
-    monkeypatch.setattr(stability_study, "run_cell", again)
-    stability_study.run_study(tmp_path, MPI.COMM_SELF, some, pairs)
+    monkeypatch.setattr("studies.stability.study.run_cell", again)
+    monkeypatch.setattr("studies.launch.run", again)
+    assert run(study, tmp_path, MPI.COMM_SELF, {}) == 3
+    assert read_rows(tmp_path / "rows.csv")[0].value == rows[0].value
+
+
+def test_a_child_that_fails_is_a_crash_and_is_tried_again(tmp_path, monkeypatch) -> None:
+    def no_mpirun(*_: object) -> None:
+        raise FileNotFoundError("no such file: mpirun")
+
+    job = Job(cell(TUBE, 10.0, ranks=2), None, math.nan, tmp_path / "cell.json", "key")
+    monkeypatch.setattr("studies.launch.run", no_mpirun)
+    run_in_child([job], 2, 1, tmp_path)
+    found = read_kept(job.file, job.key, Outcome)
+    assert found is not None and job.missing
+    assert (found.verdict, found.cause) == ("wrong", CRASH)
+    assert found.reason == "2 ranks with 1 threads: no such file: mpirun"
 
 
 def test_one_wrong_answer_makes_the_study_fail() -> None:
-    right = [Result(dataclasses.replace(c, flaw=""), Outcome("right", share=1.0, error_percent=0.1)) for c in cells()]
-    assert all(d.met for d in demands_of(right, []))
-    wrong = Result(right[0].cell, Outcome("wrong", cause="wrong answer", reason="3 % off"))
-    assert [d.words for d in demands_of([wrong, *right[1:]], []) if not d.met] == ["no wrong answer"]
-    early = Result(right[0].cell, Outcome("stop", share=0.3))
-    assert not all(d.met for d in demands_of([early, *right[1:]], []))
-    named = Result(right[0].cell, Outcome("stop", share=0.3, cause="inverted cell", reason="at the seat"))
-    assert all(d.met for d in demands_of([named, *right[1:]], []))
+    right = [Solved(c, Outcome("right", share=1.0, error_percent=0.1)) for c in product()]
+    assert all(bar.met for bar in bars_of(right, []))
+    wrong = Solved(right[0].case, Outcome("wrong", cause="wrong answer", reason="3 % off"))
+    assert [bar.wanted for bar in bars_of([wrong, *right[1:]], []) if not bar.met] == ["no wrong answer"]
+    early = Solved(right[0].case, Outcome("stop", share=0.3))
+    assert not all(bar.met for bar in bars_of([early, *right[1:]], []))
+    named = Solved(right[0].case, Outcome("stop", share=0.3, cause="inverted cell", reason="at the seat"))
+    assert all(bar.met for bar in bars_of([named, *right[1:]], []))
 
 
 def test_exact_answers_know_how_far_a_body_can_be_loaded() -> None:

@@ -9,14 +9,13 @@ from mpi4py import MPI
 
 from studies.engine import run
 from studies.results.rows import read_rows
+from studies.scene.bellows import at_pressures
 from studies.scene.files import load_bellows
 from studies.vacuum.study import STUDY, cases
 
 
 def test_vacuum_report_of_a_small_bellows(root: Path, tmp_path: Path) -> None:
-    smoke = load_bellows(root / "scenes" / "smoke-t2-ri5.toml")
-    load = smoke.load.model_copy(update={"pressure_kpa": [-0.5, -2.0]})
-    scene = smoke.model_copy(update={"load": load})
+    scene = at_pressures(load_bellows(root / "scenes" / "smoke-t2-ri5.toml"), [-0.5, -2.0])
     study = dataclasses.replace(STUDY, cases=lambda options: [scene])
     assert run(study, tmp_path, MPI.COMM_WORLD, {"level": (1,)}) == 0
     text = (tmp_path / "report.md").read_text(encoding="utf-8")

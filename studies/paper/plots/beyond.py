@@ -10,8 +10,7 @@ from typing import Any
 from matplotlib.axes import Axes
 
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA
-from studies.closed_form.tables import SILICONES, STRETCH_AT_BREAK
-from studies.models.run_log import Run
+from studies.closed_form.chains import SILICONES, STRETCH_AT_BREAK
 from studies.paper.plots.layout import ACTUATORS, SMALL, WIDTH_IN, mark_end
 from studies.paper.plots.paths import (
     by_base,
@@ -27,6 +26,7 @@ from studies.paper.plots.paths import (
 from studies.paper.results import PaperResults
 from studies.report.curves import set_pressure_axis
 from studies.report.style import ABOVE, BLACK, VERMILION, entry, figure_file, white_edged
+from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene
 
 

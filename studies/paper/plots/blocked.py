@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from studies.models.run_log import Run
 from studies.paper.cases import REFERENCE_SCENES
 from studies.paper.plots.layout import SCALE, WIDTH_IN, add_entries, finish_panels, four_panels, mark_end
 from studies.paper.plots.paths import by_base, chain_curve, finest_run, force_of, path_of
@@ -16,6 +15,7 @@ from studies.paper.results import PaperResults
 from studies.report.curves import draw_curves
 from studies.report.labels import TIP_FORCE, model_label
 from studies.report.style import BELOW, figure_file, style_of, white_edged
+from studies.results.runs import Run
 
 
 def draw_blocked(path: Path, results: PaperResults) -> str:

@@ -9,13 +9,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from studies.models.run_log import Run
 from studies.paper.cases import REFERENCE_SCENES
 from studies.paper.plots.paths import ending_of, name_of, silicone_of
 from studies.paper.results import CaseResult
 from studies.report.curves import mark_stop, set_pressure_axis
 from studies.report.style import BLUE, ORANGE, SKY, VERMILION
 from studies.results.files import PathRow
+from studies.results.runs import Run
 
 WIDTH_IN: Final = 8.2
 

@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterable
 from itertools import takewhile
 from typing import Final
 
-from studies.closed_form.tables import SILICONES
-from studies.models.run_log import Run
+from studies.closed_form.chains import SILICONES
 from studies.paper.results import CaseResult
 from studies.report.curves import Curve
 from studies.report.labels import TIP, model_label
 from studies.results.files import PathRow
 from studies.results.rows import FOLDED_BACK, Row
+from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene
 
 _PRINTED: Final = ("paper_closed_form", "paper_ansys", "paper_experiment")

@@ -1,0 +1,1 @@
+"""What gmsh meshes or reads, always in a child process: it may abort."""

@@ -1,0 +1,57 @@
+"""Child processes that are none of this process's MPI ranks: their environment, and how gmsh is run in one."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from meshes.errors import MeshError
+
+# A ring's section takes well under a second, a user's large mesh a minute; this long means that gmsh hangs.
+TIME_LIMIT_S = 300.0
+_ROOT = Path(__file__).resolve().parents[2]
+
+# Variables by which Open MPI, PRRTE, PMIx, and MPICH's Hydra tell a process that it is a rank.
+_OF_A_RANK = ("OMPI_", "PMIX_", "PRTE_", "PMI_", "HYDI_", "HYDRA_", "MPI_LOCAL", "MPICH_")
+
+
+def environment() -> dict[str, str]:
+    """Environment without what makes this process a rank: a child of one must not believe that it is one too."""
+    return {name: value for name, value in os.environ.items() if not name.startswith(_OF_A_RANK)}
+
+
+def run_gmsh(module: str, failed: str, *arguments: str, text: str | None = None) -> str:
+    """What a module prints that is run with gmsh in a child, which gmsh may abort.
+
+    Parameters
+    ----------
+    module, arguments, text
+        What is run, its arguments and its standard input.
+    failed
+        Begins the error, for instance ``gmsh cannot read it``.
+
+    Raises
+    ------
+    MeshError
+        If it fails or hangs; the message ends with what gmsh said.
+    """
+    command = [sys.executable, "-m", module, *arguments]
+    try:
+        done = subprocess.run(
+            command,
+            input=text,
+            capture_output=True,
+            text=True,
+            timeout=TIME_LIMIT_S,
+            env=environment(),
+            cwd=_ROOT,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        raise MeshError(f"{failed} within {TIME_LIMIT_S:g} s") from None
+    if done.returncode != 0:
+        said = (done.stderr or done.stdout).strip()[-400:] or "silence"
+        raise MeshError(f"{failed} (exit {done.returncode}): {said}")
+    return done.stdout

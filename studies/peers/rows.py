@@ -1,0 +1,99 @@
+"""Rows of the peer study: what each run came to and cost, then ratios of times."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final
+
+from studies.peers.cases import OURS, Attempt
+from studies.peers.fronts import Point, floored, lasting, ratio_at_equal_error, ratio_to_fastest
+from studies.peers.measure import Measurement
+from studies.results.rows import REACHED, Row, row
+
+# What our own must hold, percent.
+ALLOWED_PERCENT: Final = 1.0
+# The reference is known to this, percent: what the finest triangles with meshed rings and the finest quadrilaterals
+# with rigid ones differ by, with room (0.0125 at 10 kPa on r8).
+REFERENCE_PERCENT: Final = 0.02
+RATIO: Final = "time_ratio_"
+_MODELS: Final = {3: "full3d", 2: "axisymmetric"}
+Runs = Sequence[tuple[Attempt, Measurement]]
+
+
+def comparison_rows(scene: str, pressure_kpa: float, reference_mm: float, source: str, measured: Runs) -> list[Row]:
+    """Rows of all runs, then the ratios."""
+    rows = []
+    for attempt, m in measured:
+        model = _MODELS[attempt.dimension] if attempt.code == OURS else f"peer_{attempt.code}"
+        numbers = (
+            ("tip_mm", "mm", m.tip_mm, reference_mm, source),
+            ("wall_s", "s", m.wall_s, math.nan, ""),
+            ("cpu_s", "s", m.cpu_s, math.nan, ""),
+            ("peak_mb", "MB", m.peak_mb, math.nan, ""),
+            ("unknowns", "1", float(m.unknowns), math.nan, ""),
+            ("lines_to_write", "1", float(m.lines), math.nan, ""),
+        )
+        rows += [
+            row(
+                scene,
+                quantity,
+                unit,
+                pressure_kpa,
+                model,
+                value,
+                attempt.label,
+                reference=reference,
+                source=where,
+                status=m.reason or REACHED,
+            )
+            for quantity, unit, value, reference, where in numbers
+        ]
+    reached = [(attempt, m) for attempt, m in measured if not math.isnan(m.tip_mm)]
+    errors = [100.0 * abs(m.tip_mm / reference_mm - 1.0) for _, m in reached]
+    for dimension in _MODELS:
+        for kind, found in (("", errors), ("_by_lasting_error", lasting_errors(reached, errors))):
+            rows += _ratio_rows(scene, pressure_kpa, dimension, kind, reached, found)
+    return rows
+
+
+def _ratio_rows(
+    scene: str,
+    pressure_kpa: float,
+    dimension: int,
+    kind: str,
+    reached: Runs,
+    errors_percent: Sequence[float],
+) -> list[Row]:
+    """Our time over the peers': to the fastest of them, and at equal error."""
+    points: dict[str, list[Point]] = {}
+    for (attempt, m), error in zip(reached, errors_percent, strict=True):
+        if attempt.dimension == dimension:
+            points.setdefault(attempt.code, []).append(Point(m.wall_s, error))
+    every = {code: floored(of, REFERENCE_PERCENT) for code, of in points.items()}
+    mine = every.pop(OURS, [])
+    error, equal = ratio_at_equal_error(mine, every)
+    model = _MODELS[dimension]
+    ratios = (
+        (f"{RATIO}{model}_to_fastest_peer{kind}", ratio_to_fastest(mine, every, ALLOWED_PERCENT), ""),
+        (f"{RATIO}{model}_at_equal_error{kind}", equal, f"{error:.3g} %"),
+    )
+    return [
+        row(scene, quantity, "1", pressure_kpa, model, ratio, level, status=_known(ratio))
+        for quantity, ratio, level in ratios
+    ]
+
+
+def lasting_errors(measured: Runs, errors: Sequence[float]) -> list[float]:
+    """Errors that finer meshes of the same code, cells and settings do not exceed."""
+    found = list(errors)
+    for family in {attempt.family for attempt, _ in measured}:
+        same = [k for k, (attempt, _) in enumerate(measured) if attempt.family == family]
+        same.sort(key=lambda k: measured[k][1].unknowns)
+        for k, error in zip(same, lasting([errors[k] for k in same]), strict=True):
+            found[k] = error
+    return found
+
+
+def _known(ratio: float) -> str:
+    return "not measured: no run of ours or of a peer" if math.isnan(ratio) else REACHED
