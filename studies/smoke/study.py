@@ -11,7 +11,7 @@ from studies.planning.bellows import SECTOR_LEVELS, plan_bellows
 from studies.planning.error_model import ROUNDS, cells_of
 from studies.report.scene_page import report_of
 from studies.report.scene_report import SceneReport
-from studies.report.scenes import content
+from studies.report.scenes import content, verdict
 from studies.results import provenance
 from studies.scene.bellows import BellowsScene
 from studies.scene.files import load_bellows
@@ -35,7 +35,12 @@ def page(solved: Sequence[Solved[BellowsScene, SceneReport]], at: Setting) -> Pa
     """What the models say of each bellows."""
     reports = [done.result for done in solved]
     rows = [row for report in reports for row in report.rows]
-    return Page(rows, content(at.out, reports), [f"{r.name}: {r.stopped}" for r in reports if r.stopped])
+    return Page(
+        rows,
+        content(at.out, reports),
+        stopped=[f"{report.name}: {report.stopped}" for report in reports if report.stopped],
+        headlines=[f"{report.name}: {verdict(report)}" for report in reports],
+    )
 
 
 STUDY: Final = Study(

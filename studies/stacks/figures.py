@@ -63,7 +63,7 @@ def measure(out: Path) -> Figures:
     out.mkdir(parents=True)
     smoke = _cold_and_warm(out, "smoke")
     _run(out, "exact")
-    core = _cold_and_warm(out, "paper", "--core")
+    core = _cold_and_warm(out, "paper", "--part", "core")
     write_rows(
         out / "rows.csv", [row for name in ("smoke", "exact", "paper") for row in read_rows(out / name / "rows.csv")]
     )
@@ -96,7 +96,7 @@ def _cold_and_warm(out: Path, name: str, *options: str) -> tuple[float, float]:
 
 def _run(out: Path, name: str, *options: str) -> float:
     """Run a study on two ranks into a folder of its name; wall time, s."""
-    command = launch.on_ranks(RANKS, "-m", "studies", name, "--out", str(out / name), *options)
+    command = launch.on_ranks(RANKS, "-m", "studies", "study", name, "--out", str(out / name), *options)
     wall_s = _ended(out, command).wall_s
     click.echo(f"{name}: {wall_s:.0f} s")
     return wall_s
