@@ -120,15 +120,15 @@ study: study-paper ## the main study, which is that of the paper
 
 .PHONY: study-paper
 study-paper: check ## the paper's four actuators by every model, and variants -> results/paper
-	$(LAUNCH) -m studies paper --out results/paper
+	$(LAUNCH) -m studies study paper --out results/paper
 
 .PHONY: study-core
 study-core: check ## the four actuators without the variants -> results/paper
-	$(LAUNCH) -m studies paper --core --out results/paper
+	$(LAUNCH) -m studies study paper --part core --out results/paper
 
 .PHONY: study-paper-audit
 study-paper-audit: check ## the same, and finer meshes that must lie within its uncertainties -> results/paper
-	$(LAUNCH) -m studies paper --audit --out results/paper
+	$(LAUNCH) -m studies study paper --part core --part variants --part audit --out results/paper
 
 .PHONY: study-sweep
 study-sweep: check ## elongation over R_i, t and n; where the closed form misleads a designer -> results/sweep

@@ -19,7 +19,6 @@ from studies.command.report import report
 from studies.command.solve import batch, plan, solve
 from studies.command.study import study
 from studies.command.sweep import sweep
-from studies.command.unconverted import COMMANDS
 
 # Commands import the studies and what draws their reports themselves: plan and solve then start in half the time.
 
@@ -37,7 +36,7 @@ def main() -> None:
     """Bellows actuators: closed form beside finite elements, with the error of each."""
 
 
-for command in (plan, solve, report, batch, sweep, study, check, material, mesh, *COMMANDS):
+for command in (plan, solve, report, batch, sweep, study, check, material, mesh):
     main.add_command(command)
 
 

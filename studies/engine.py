@@ -33,6 +33,7 @@ ROWS_FILE = "rows.csv"
 
 # Studies in the order of a reader's questions, and the module that has each as STUDY.
 STUDIES: Mapping[str, str] = {
+    "paper": "studies.paper.study",
     "smoke": "studies.smoke.study",
     "closed-form": "studies.closed_form.study",
     "dimensions": "studies.dimensions.study",
@@ -101,11 +102,34 @@ class Solved(Generic[CaseT, ResultT]):
 
 @dataclass(frozen=True)
 class Bar:
-    """What a study must show: what was wanted, what was found, whether that is enough."""
+    """What a study must show.
+
+    Attributes
+    ----------
+    wanted, found
+        In words.
+    met
+        Whether that is enough; None if nothing of it has been run.
+    decides
+        True if the exit code is 3 where it is not met; False only informs.
+    """
 
     wanted: str
     found: str
-    met: bool
+    met: bool | None
+    decides: bool = True
+
+    @property
+    def missed(self) -> bool:
+        """True if the exit code has to be 3 for it."""
+        return self.decides and self.met is False
+
+    @property
+    def verdict(self) -> str:
+        """Whether it is met, in words."""
+        if self.met is None:
+            return "not run"
+        return "met" if self.met else "NOT MET" if self.decides else "not met"
 
 
 @dataclass(frozen=True)
@@ -121,7 +145,7 @@ class Page:
     stopped
         What did not reach its loads and why, a sentence each; the exit code is then 3.
     bars
-        What it must show; the exit code is 3 if one is not met.
+        What it must show; the exit code is 3 if one that decides it is not met.
     tables
         Other files of rows by name, such as crossings.csv.
     headlines
@@ -296,7 +320,7 @@ def _write(
     """Rows, page, and what the terminal is told; returns the exit code."""
     page = study.page(solved, setting)
     stopped = [*faults, *page.stopped]
-    missed = [bar for bar in page.bars if not bar.met]
+    missed = [bar for bar in page.bars if bar.missed]
     for name, rows in {ROWS_FILE: page.rows, **page.tables}.items():
         write_rows(setting.out / name, rows)
     facts: dict[str, Any] = {
@@ -316,7 +340,7 @@ def _write(
 
 def bars_table(bars: Sequence[Bar]) -> Table:
     """What a study must show, a line each."""
-    lines = tuple((bar.wanted, bar.found, "met" if bar.met else "NOT MET") for bar in bars)
+    lines = tuple((bar.wanted, bar.found, bar.verdict) for bar in bars)
     return Table(("what it must show", "found", "verdict"), lines, left=(0, 1, 2))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import graphlib
 import re
 import sys
@@ -125,6 +126,7 @@ def module_of(path: Path) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
+@functools.cache
 def graph_of(package: str) -> dict[str, set[str]]:
     """What each module of a package imports of it anywhere: for types only and inside functions too."""
     paths = {module_of(path): path for path in of_package(package)}
@@ -169,3 +171,25 @@ def test_no_folder_has_more_than_fifteen_files_and_no_file_more_than_400_lines(p
         assert len(list(folder.glob("*.py"))) <= MOST_FILES, label(folder)
     for path in [*files, *(ROOT / "tests" / package).rglob("*.py")]:
         assert len(path.read_text(encoding="utf-8").splitlines()) <= MOST_LINES, label(path)
+
+
+# ---- rooms of the studies ----------------------------------------------------------------------------------
+
+# Each knows those before it; then come the engine, folders of studies that know no other, and the commands.
+ROOMS = ("scene", "planning", "results", "models", "report")
+TOP = ("progress", "launch", "two_routes", "engine")
+
+
+def room_of(module: str) -> str:
+    """First name below ``studies``."""
+    return (module.split(".") + [""])[1]
+
+
+@pytest.mark.parametrize("path", of_package("studies"), ids=label)
+def test_rooms_of_the_studies_know_those_before_them(path: Path) -> None:
+    room = room_of(module_of(path))
+    known = {room_of(name) for name in graph_of("studies")[module_of(path)]} - {"", room}
+    if room in ROOMS:
+        assert known <= {*ROOMS[: ROOMS.index(room)], "progress"}
+    elif room not in ("command", "__main__", *TOP):
+        assert known <= {*ROOMS, *TOP}, "a study that knows another: what they share moves down"

@@ -10,13 +10,13 @@ import numpy as np
 
 from analytical.arrays import FloatArray
 from analytical.bellows import paper
+from analytical.bellows.named import STRETCH_AT_BREAK
 from analytical.exact.homogeneous import MODES, Mode, nominal_stress_mpa, stress_curves
 from analytical.laws.errors import MaterialError
 from analytical.laws.isotropic import Ogden, Yeoh
 from analytical.laws.silicones import DRAGON_SKIN_10, SILICONE_DENSITY_G_CM3, dragon_skin_30
 from analytical.laws.stability import check_stability
 from analytical.laws.stiff import PLA, POLYETHYLENE
-from studies.closed_form.chains import STRETCH_AT_BREAK
 from studies.report.tables import Table, table_of
 from studies.results.rows import Row, row
 

@@ -14,9 +14,9 @@ from analytical.arrays import FloatArray
 from analytical.bellows.chains import ClosedFormPath
 from analytical.bellows.corrections import CORRECTIONS, effect_cm
 from analytical.bellows.loads import held_tip, pressure_at_elongation_kpa
+from analytical.bellows.named import CHAINS, CUTS, PRESSURES_KPA, path_of, printed_mm
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA, PaperActuator
 from analytical.bellows.reading import CORRECTED
-from studies.closed_form.chains import CHAINS, CUTS, PRESSURES_KPA, path_of, printed_mm
 from studies.closed_form.effects import EFFECTS
 from studies.report.labels import TIP
 from studies.results.rows import Row, row

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from analytical.arrays import FloatArray
 from analytical.bellows.chains import validity_warnings
+from analytical.bellows.named import CHAINS, PRESSURES_KPA, SILICONES, STRETCH_AT_BREAK, path_of
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA, PaperActuator
 from analytical.bellows.reading import CORRECTED, PRINTED_READING
-from studies.closed_form.chains import CHAINS, PRESSURES_KPA, SILICONES, STRETCH_AT_BREAK, path_of
 from studies.closed_form.effects import Effect
 from studies.closed_form.maps import MAP_PRESSURES_KPA, SWEEP_KPA, SiliconeMaps
 from studies.closed_form.rows import CHANGE

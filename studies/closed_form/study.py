@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
+from analytical.bellows.named import SILICONES
 from analytical.bellows.paper import PaperActuator, actuators
+from studies import two_routes
 from studies.closed_form import materials, tables
-from studies.closed_form.chains import SILICONES
 from studies.closed_form.effects import EFFECTS, Effect
 from studies.closed_form.maps import SiliconeMaps, held_sizes, silicone_maps
 from studies.closed_form.plots import draw_chains, draw_maps, draw_stress_curves
@@ -16,7 +17,6 @@ from studies.closed_form.rows import actuator_rows
 from studies.closed_form.sentences import overall, resting_on_saturation, unfolding, warnings, where_large
 from studies.engine import Page, Setting, Solved, Study
 from studies.results.rows import Row
-from studies.verification import two_routes
 
 
 def cases(options: Mapping[str, Any]) -> Sequence[PaperActuator]:

@@ -8,10 +8,10 @@ from typing import Final
 
 from analytical.bellows.chains import closed_form
 from analytical.bellows.corrections import CORRECTIONS, Correction
+from analytical.bellows.named import CHAINS, CUTS, PRESSURES_KPA, SHORT, SILICONES
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA, PaperActuator
 from analytical.laws.isotropic import OGDEN_CONVENTIONS, OgdenConvention
 from analytical.laws.silicones import dragon_skin_30
-from studies.closed_form.chains import CHAINS, CUTS, PRESSURES_KPA, SHORT, SILICONES
 from studies.closed_form.effects import EFFECTS
 from studies.closed_form.rows import CHANGE, CORRECTION, LOADED, OUTPUTS, SHARES, share_text
 from studies.report.labels import TIP, model_label

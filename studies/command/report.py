@@ -25,9 +25,8 @@ def report(folder: Path) -> None:
 
 def write_reports(folder: Path) -> None:
     """Pages of a folder: of the paper study, of bellows, and beside them of bodies with exact answers."""
-    from studies.engine import Solved, render
+    from studies.engine import Solved, load_study, render
     from studies.models.session import SCENE_FILE
-    from studies.paper import study as paper
     from studies.report.scene_page import report_of
     from studies.report.scene_report import SceneReport
     from studies.scene.bodies import BodyScene
@@ -36,7 +35,7 @@ def write_reports(folder: Path) -> None:
     from studies.verification import exact
 
     if (folder / "core").is_dir():
-        click.echo(f"report: {paper.write_report(folder)[1]}")
+        render(load_study("paper"), folder)
         return
     folders = sorted(p.parent for p in folder.glob(f"*/{SCENE_FILE}"))
     folders = folders or ([folder] if (folder / SCENE_FILE).exists() else [])

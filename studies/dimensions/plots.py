@@ -16,9 +16,9 @@ from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
 from analytical.arrays import BoolArray, FloatArray
 from analytical.bellows.fit.members import WITHIN, tip_mm
+from analytical.bellows.named import SILICONES, printed_mm
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA, PaperActuator, Silicone
 from meshes.bellows import cap_band, corner_band, wall_segments
-from studies.closed_form.chains import SILICONES, printed_mm
 from studies.dimensions.fit import ACTUATORS, SET_NAMES, Fit
 from studies.dimensions.predictions import Prediction
 from studies.dimensions.scenes import scene_of

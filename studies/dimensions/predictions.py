@@ -22,8 +22,8 @@ from analytical.bellows.fit.members import (
     wall_stretch,
 )
 from analytical.bellows.loads import held_tip
+from analytical.bellows.named import PRESSURES_KPA
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA
-from studies.closed_form.chains import PRESSURES_KPA
 from studies.dimensions.fit import Fit
 from studies.dimensions.scenes import FITTINGS
 

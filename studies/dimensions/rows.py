@@ -13,8 +13,8 @@ from analytical.arrays import FloatArray, IntArray
 from analytical.bellows.chains import closed_form
 from analytical.bellows.fit.masses import rings_g, silicone_g
 from analytical.bellows.fit.members import ORDERS, SILICONES, wall_stretch
+from analytical.bellows.named import CHAINS, PRESSURES_KPA, printed_mm
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA, SOURCE, PaperActuator
-from studies.closed_form.chains import CHAINS, PRESSURES_KPA, printed_mm
 from studies.dimensions.fit import Fit
 from studies.dimensions.predictions import Prediction, rest_length_mm
 from studies.dimensions.scenes import FITTINGS

@@ -2,20 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import functools
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
-from analytical.bellows.paper import ALTERNATE_FAMILIES, REFERENCE_FAMILY, actuators
+from analytical.bellows.paper import FAMILIES, PRINTED_PRESSURE_KPA, PaperActuator, actuators
 from studies.planning.levels import MERIDIANS, BodyLevel
+from studies.results import provenance
 from studies.scene.text import changed_text
 
 Group = Literal["core", "tets", "alternates", "beyond", "convention", "silicone", "blocked", "rings", "bond", "audit"]
 
-REFERENCE_SCENES = tuple(actuator.name for actuator in actuators(REFERENCE_FAMILY))
-ALTERNATE_SCENES = tuple(actuator.name for family in ALTERNATE_FAMILIES for actuator in actuators(family))
+# Parts that can be run alone.
+PARTS: Final[Mapping[str, tuple[Group, ...]]] = {
+    "core": ("core",),
+    "variants": ("tets", "alternates", "beyond", "convention", "silicone", "blocked", "rings", "bond"),
+    "audit": ("audit",),
+}
+
+PRESSURES_KPA: Final = (5.0, 10.0, 15.0, 20.0)
+HIGHEST_KPA: Final = PRINTED_PRESSURE_KPA
+# The paper's four actuators in every set of inferred dimensions, by what the report calls the set.
+SETS: Final[Mapping[str, tuple[PaperActuator, ...]]] = {
+    f"alternate {family.label}" if family.label else "reference": actuators(family) for family in FAMILIES
+}
+REFERENCE: Final = SETS["reference"]
+REFERENCE_SCENES = tuple(actuator.name for actuator in REFERENCE)
+ALTERNATE_SCENES = tuple(a.name for label, of_set in SETS.items() if label != "reference" for a in of_set)
 THIN, THICK = REFERENCE_SCENES[:2], REFERENCE_SCENES[2:]
+
+SCENES: Final = provenance.ROOT / "scenes"
 
 # Half of what full 3D may be uncertain by, so that the axisymmetric model is compared with something better than it.
 CORE_TOLERANCE_PERCENT = 0.5
@@ -36,8 +53,8 @@ class Case:
     ----------
     group
         What it is there for.
-    name
-        Name of its scene and of its folder within the group's.
+    scene
+        Name of its scene, and of its folder within the group's.
     base
         Scene file, without its ending, that it is made from.
     label
@@ -51,7 +68,7 @@ class Case:
     """
 
     group: Group
-    name: str
+    scene: str
     base: str
     label: str
     changes: Mapping[str, Any] = field(default_factory=dict, hash=False)
@@ -59,9 +76,9 @@ class Case:
     full3d: bool = False
 
     @property
-    def place(self) -> Path:
-        """Folder within the study's."""
-        return Path(self.group, self.name)
+    def name(self) -> str:
+        """Its folder within the study's."""
+        return f"{self.group}/{self.scene}"
 
 
 def _variant(group: Group, base: str, suffix: str, label: str, changes: Mapping[str, Any], **more: Any) -> Case:
@@ -110,57 +127,63 @@ AUDIT_LEVEL = 8
 AUDIT_BODY, AUDIT_BODY_LEVEL = REFERENCE_SCENES[0], BodyLevel(12, 3)
 
 
-def audit_cases() -> tuple[Case, ...]:
+@functools.cache
+def cases(*groups: Group) -> tuple[Case, ...]:
+    """All cases, or those of some groups; those first that the report is about."""
+    found = [*_actuators(), *(case for base in REFERENCE_SCENES for case in _loaded(base)), *_materials(), *_bonds()]
+    return tuple(case for case in (*found, *_audits()) if not groups or case.group in groups)
+
+
+def _actuators() -> Iterator[Case]:
+    """The actuators of every set, those of the reference by every model."""
+    for name in REFERENCE_SCENES:
+        yield Case("core", name, name, "reference", {"ask.tolerance_percent": CORE_TOLERANCE_PERCENT}, full3d=True)
+    for base in REFERENCE_SCENES:
+        in_tets = {"mesh.element": "tet", "ask.fields": False}
+        yield _variant("tets", base, "tets", "tetrahedra", in_tets, full3d=True)
+    for label, of_set in SETS.items():
+        for actuator in of_set if of_set is not REFERENCE else ():
+            yield Case("alternates", actuator.name, actuator.name, label)
+
+
+def _loaded(base: str) -> Iterator[Case]:
+    """Beyond the paper's pressures, with the tip blocked, and with other rings."""
+    beyond = {"load.pressure_kpa": BEYOND_KPA, "ask.fields": False}
+    yield _variant("beyond", base, "to-30", "to 30 kPa", beyond, full3d=True)
+    blocked = {"load.tip": "blocked", "ask.quantities": ["tip_force_n"], "load.pressure_kpa": BLOCKED_KPA}
+    yield _variant("blocked", base, "blocked", "tip blocked", blocked)
+    for suffix, label, changes in RING_VARIANTS:
+        yield _variant("rings", base, suffix, label, {"mesh.element": "tet", **changes}, levels=RING_LEVELS)
+
+
+def _materials() -> Iterator[Case]:
+    """The other convention of Ogden's mu, and the other silicone."""
+    for base in THICK:
+        yield _variant("convention", base, "mu-alpha", "Ogden as mu/alpha", {"material.convention": "mu/alpha"})
+        yield _variant("silicone", base, "in-10", "in Dragon Skin 10", {"material": DRAGON_SKIN_10})
+    for base in THIN:
+        yield _variant("silicone", base, "in-30", "in Dragon Skin 30", {"material": DRAGON_SKIN_30})
+
+
+def _bonds() -> Iterator[Case]:
+    """Bonds, their edge and the crest's shape."""
+    for base in THIN:
+        more = MORE_BOND_VARIANTS if base == THIN[0] else ()
+        for suffix, label, changes in (*BOND_VARIANTS, *more):
+            yield _variant("bond", base, suffix, label, {"load.pressure_kpa": BOND_KPA, **changes})
+
+
+def _audits() -> Iterator[Case]:
     """Finer meshes than the study's, which have to lie within its uncertainties."""
-    found = []
     for name in (*REFERENCE_SCENES, *ALTERNATE_SCENES):
         body = name == AUDIT_BODY
         levels = (AUDIT_BODY_LEVEL.meridian, AUDIT_LEVEL) if body else (AUDIT_LEVEL,)
-        found.append(Case("audit", name, name, "audit", {"ask.fields": False}, levels, full3d=body))
-    return tuple(found)
+        yield Case("audit", name, name, "audit", {"ask.fields": False}, levels, full3d=body)
 
 
-def cases() -> tuple[Case, ...]:
-    """All cases, those first that the report is about."""
-    exactly = {"ask.tolerance_percent": CORE_TOLERANCE_PERCENT}
-    found = [Case("core", name, name, "reference", exactly, full3d=True) for name in REFERENCE_SCENES]
-    in_tets = {"mesh.element": "tet", "ask.fields": False}
-    found += [_variant("tets", base, "tets", "tetrahedra", in_tets, full3d=True) for base in REFERENCE_SCENES]
-    found += [Case("alternates", name, name, f"alternate {name.split('-')[1]}") for name in ALTERNATE_SCENES]
-    for base in REFERENCE_SCENES:
-        beyond = {"load.pressure_kpa": BEYOND_KPA, "ask.fields": False}
-        found.append(_variant("beyond", base, "to-30", "to 30 kPa", beyond, full3d=True))
-        blocked = {"load.tip": "blocked", "ask.quantities": ["tip_force_n"], "load.pressure_kpa": BLOCKED_KPA}
-        found.append(_variant("blocked", base, "blocked", "tip blocked", blocked))
-        found += [
-            _variant("rings", base, suffix, label, {"mesh.element": "tet", **changes}, levels=RING_LEVELS)
-            for suffix, label, changes in RING_VARIANTS
-        ]
-    for base in THICK:
-        other = {"material.convention": "mu/alpha"}
-        found.append(_variant("convention", base, "mu-alpha", "Ogden as mu/alpha", other))
-        found.append(_variant("silicone", base, "in-10", "in Dragon Skin 10", {"material": DRAGON_SKIN_10}))
-    found += [_variant("silicone", base, "in-30", "in Dragon Skin 30", {"material": DRAGON_SKIN_30}) for base in THIN]
-    for base in THIN:
-        more = MORE_BOND_VARIANTS if base == THIN[0] else ()
-        found += [
-            _variant("bond", base, suffix, label, {"load.pressure_kpa": BOND_KPA, **changes})
-            for suffix, label, changes in (*BOND_VARIANTS, *more)
-        ]
-    return tuple(found)
-
-
-def case_text(case: Case, scenes: Path) -> str:
-    """The scene file of a case: its base's text, comments kept, with the keys that differ.
-
-    Parameters
-    ----------
-    case
-        One of `cases`.
-    scenes
-        Folder of the scene files.
-    """
-    text = (scenes / f"{case.base}.toml").read_text(encoding="utf-8")
-    if case.name == case.base and not case.changes:
+def case_text(case: Case) -> str:
+    """The scene file of a case: its base's text, comments kept, with the keys that differ."""
+    text = (SCENES / f"{case.base}.toml").read_text(encoding="utf-8")
+    if case.scene == case.base and not case.changes:
         return text
-    return changed_text(text, case.name, case.changes)
+    return changed_text(text, case.scene, case.changes)

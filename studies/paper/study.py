@@ -1,155 +1,186 @@
-"""The paper study: all its cases run into one folder, and read back from it.
+"""The paper study: four actuators by every model, and variants; the largest example of the engine.
 
-Axisymmetric runs are shared out, one rank each; bodies take all ranks. What is there of the same content is used.
+Axisymmetric runs are shared out, one rank each; bodies take all ranks. What is there of the same content is used, and
+what is there of parts that are not requested is in the report too.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import shutil
-import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any, Final
 
+import click
 from mpi4py import MPI
 
-from analytical.bellows import chains, loads
-from analytical.bellows.paper import actuators
-from meshes.errors import GeometryError, MeshError
-from solvers.errors import SolverError
+from studies.engine import FAULTS, Page, Setting, Solved, Study, farm
 from studies.models.axisymmetric import run_axisymmetric
 from studies.models.full3d import run_full3d
-from studies.models.session import SCENE_FILE, SceneResult, read_scene_folder, run_plan
-from studies.paper.cases import AUDIT_BODY_LEVEL, Case, audit_cases, case_text, cases
-from studies.paper.numbers import PRESSURES_KPA
-from studies.paper.report import write_paper_report
-from studies.paper.results import CaseResult, PaperResults
+from studies.models.session import SCENE_FILE, run_plan
+from studies.paper import bonds, errors, times, variants
+from studies.paper.bars import bars, misses
+from studies.paper.cases import AUDIT_BODY_LEVEL, PARTS, Case, Group, case_text
+from studies.paper.cases import cases as all_cases
+from studies.paper.claims import claims
+from studies.paper.pictures import STATES, draw_all
+from studies.paper.results import CaseResult, PaperResults, read_results
+from studies.paper.summary import in_short, notes, stops
 from studies.planning.bellows import SECTOR_LEVELS, plan_bellows
 from studies.planning.levels import BODY_MERIDIANS
-from studies.progress import Progress
-from studies.report.drawn import key_of
-from studies.results import measured_rows, measures, provenance, runs, uncertainty
-from studies.results.files import write_text_atomically
-from studies.results.rows import Row, read_rows, write_rows
+from studies.report import scene_tables
+from studies.report.numbers import duration
+from studies.report.scene_report import SceneReport
+from studies.report.tables import Table, facts_table
 from studies.results.runs import finished_run, run_hash
 from studies.scene.bellows import BellowsScene
 from studies.scene.files import load_bellows
 
-SCENES = provenance.ROOT / "scenes"
-
 # Cells round the four actuators' bodies: they leave 0.05 % at most there (docs/decisions.md), less than the error model
 # takes for any bellows.
-CORE_AROUND = (8,)
+CORE_AROUND: Final = (8,)
 # Cases whose states are counted by harmonic: those that somebody may build, and those that bend sideways.
-COUNTED_GROUPS = ("core", "blocked")
+COUNTED_GROUPS: Final = ("core", "blocked")
 
 
-def write_scenes(folder: Path, cases: Sequence[Case]) -> None:
+def cases(options: Mapping[str, Any]) -> tuple[Case, ...]:
+    """Cases of the requested parts."""
+    groups: list[Group] = [group for part in options["part"] for group in PARTS[part]]
+    return all_cases(*groups)
+
+
+# --- solving --------------------------------------------------------------------------------
+
+
+def prepare(chosen: Sequence[Case], at: Setting) -> list[str]:
+    """All axisymmetric runs, each content once, shared out over the ranks, the longest first; which failed and why."""
+    if at.comm.rank == 0:
+        write_scenes(at.out, chosen)
+    at.comm.barrier()
+    alike: dict[str, list[tuple[Case, int]]] = {}
+    for case in chosen:
+        for level in case.levels:
+            content = run_hash(scene_of(at.out, case), "axisymmetric", f"r{level}")
+            alike.setdefault(content, []).append((case, level))
+    jobs = sorted(alike.values(), key=lambda same: -same[0][1])
+    return [fault for fault in farm(jobs, at.comm, lambda same: _run_alike(same, at)) if fault]
+
+
+def write_scenes(folder: Path, chosen: Sequence[Case]) -> None:
     """Write the scene file of every case into its folder, where it differs from what is there."""
-    for case in cases:
-        file, text = folder / case.place / SCENE_FILE, case_text(case, SCENES)
+    for case in chosen:
+        file, text = folder / case.name / SCENE_FILE, case_text(case)
         if not file.exists() or file.read_text(encoding="utf-8") != text:
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(text, encoding="utf-8")
 
 
-def run_cases(folder: Path, cases: Sequence[Case], comm: MPI.Comm, progress: Progress) -> list[str]:
-    """Run cases; every rank calls.
-
-    Returns
-    -------
-    list of str
-        Which runs failed and why, on every rank. A path that ends early is no failure but a result.
-    """
-    if comm.rank == 0:
-        write_scenes(folder, cases)
-    comm.barrier()
-    scenes = {case: load_bellows(folder / case.place / SCENE_FILE) for case in cases}
-    faults = _run_axisymmetric(folder, scenes, comm, progress)
-    for case, scene in scenes.items():
-        if case.full3d:
-            faults += _run_bodies(folder / case.place, case, scene, comm, progress)
-    return faults
+def scene_of(folder: Path, case: Case) -> BellowsScene:
+    """The scene of a case whose file has been written."""
+    return load_bellows(folder / case.name / SCENE_FILE)
 
 
-def _run_axisymmetric(folder: Path, scenes: dict[Case, BellowsScene], comm: MPI.Comm, progress: Progress) -> list[str]:
-    """All axisymmetric runs, each content once, shared out over the ranks, the longest first."""
-    alike: dict[str, list[tuple[Case, int]]] = {}
-    for case in scenes:
-        for level in case.levels:
-            alike.setdefault(run_hash(scenes[case], "axisymmetric", f"r{level}"), []).append((case, level))
-    jobs = sorted(alike.values(), key=lambda same: -same[0][1])
-    faults = []
-    for (case, level), *same in jobs[comm.rank :: comm.size]:
-        place = folder / case.place / f"axisymmetric-r{level}"
-        try:
-            modes = case.group in COUNTED_GROUPS
-            run = run_axisymmetric(scenes[case], level, place, MPI.COMM_SELF, progress, modes)
-        except (GeometryError, MeshError, SolverError) as error:
-            faults.append(f"{case.place} r{level}: {error}")
-            continue
-        for other, _ in same:
-            copy = folder / other.place / place.name
-            if finished_run(copy, run.summary.content_hash) is None:
-                shutil.copytree(place, copy, dirs_exist_ok=True)
-    return [fault for of_rank in comm.allgather(faults) for fault in of_rank]
-
-
-def _run_bodies(place: Path, case: Case, scene: BellowsScene, comm: MPI.Comm, progress: Progress) -> list[str]:
-    """The bodies of a case, on all ranks."""
+def _run_alike(same: Sequence[tuple[Case, int]], at: Setting) -> str:
+    """Run the first of axisymmetric runs of one content, and copy it to the others; why it failed, or an empty text."""
+    (case, level), *others = same
+    place = at.out / case.name / f"axisymmetric-r{level}"
+    modes = case.group in COUNTED_GROUPS
     try:
-        if case.group == "audit":
-            level = AUDIT_BODY_LEVEL
-            base = place / f"axisymmetric-r{level.meridian}"
-            run_full3d(scene, "full3d", level, base, place / f"full3d-{level.name}", comm, progress, ())
-        else:
-            sectors = SECTOR_LEVELS if case.group == "core" else ()
-            around = CORE_AROUND if case.group == "core" else ()
-            plan = plan_bellows(scene, "full3d", around, sectors, every_level=True)
-            if case.group != "core":  # beside those, for other elements or a count of modes; finer takes up to 10 GB
-                plan = dataclasses.replace(plan, body_levels=BODY_MERIDIANS[:1])
-            run_plan(scene, case_text(case, SCENES), plan, place, comm, progress)
-    except (GeometryError, MeshError, SolverError) as error:
-        return [f"{case.place} full3d: {error}"]
-    return []
+        run = run_axisymmetric(scene_of(at.out, case), level, place, MPI.COMM_SELF, at.progress, modes)
+    except FAULTS as error:
+        return f"{case.name} r{level}: {error}"
+    for other, _ in others:
+        copy = at.out / other.name / place.name
+        if finished_run(copy, run.summary.content_hash) is None:
+            shutil.copytree(place, copy, dirs_exist_ok=True)
+    return ""
 
 
-def read_results(folder: Path, cases: Sequence[Case]) -> PaperResults:
-    """What has been run of cases with their present content."""
-    found = []
-    for case in cases:
-        place = folder / case.place
-        if (place / SCENE_FILE).exists():
-            result = read_scene_folder(load_bellows(place / SCENE_FILE), place, current=True)
-            found.append(CaseResult(case, place, result, _measured(place, result)))
-    return PaperResults(tuple(found))
+def solve(case: Case, at: Setting) -> None:
+    """The bodies of a case, on all ranks."""
+    if not case.full3d:
+        return
+    scene, place = scene_of(at.out, case), at.out / case.name
+    if case.group == "audit":
+        level = AUDIT_BODY_LEVEL
+        base = place / f"axisymmetric-r{level.meridian}"
+        run_full3d(scene, "full3d", level, base, place / f"full3d-{level.name}", at.comm, at.progress, ())
+        return
+    if case.group == "core":
+        plan = plan_bellows(scene, "full3d", CORE_AROUND, SECTOR_LEVELS, every_level=True)
+    else:  # beside those, for other elements or a count of modes; finer takes up to 10 GB
+        plan = plan_bellows(scene, "full3d", (), (), every_level=True)
+        plan = dataclasses.replace(plan, body_levels=BODY_MERIDIANS[:1])
+    run_plan(scene, case_text(case), plan, place, at.comm, at.progress)
 
 
-def _measured(place: Path, result: SceneResult[BellowsScene]) -> tuple[Row, ...]:
-    """The measured rows of a case; kept beside its runs, for measuring some hundred states takes a minute."""
-    hashes = [run.summary.content_hash for run in result.axisymmetric]
-    key = key_of(hashes, code=[measures, measured_rows, chains, loads, runs, uncertainty])
-    rows_file, key_file = place / "measured.csv", place / "measured.key"
-    if not (rows_file.exists() and key_file.exists() and key_file.read_text(encoding="utf-8") == key):
-        write_rows(rows_file, measured_rows.measured_rows(result.scene, result.axisymmetric, place))
-        write_text_atomically(key_file, key)
-    return tuple(read_rows(rows_file))
+# --- the page -------------------------------------------------------------------------------
 
 
-def write_report(folder: Path) -> tuple[PaperResults, Path]:
-    """Write the report of all that has been run into a folder; what was found, and the page."""
-    begin = time.perf_counter()
-    for actuator in actuators():
-        for chain in (chains.closed_form, chains.closed_form_printed, chains.closed_form_balanced):
-            chain(actuator.dimensions, actuator.law, PRESSURES_KPA)
-    seconds = {"closed form": time.perf_counter() - begin}
-    results = read_results(folder, (*cases(), *audit_cases()))
-    seconds["total"] = sum(run.summary.time_s["total"] for case in results.cases for run in case.result.runs)
-    facts = {
-        "commit": provenance.commit(),
-        "date": provenance.now(),
-        "machine": provenance.machine(),
-        "BLAS": provenance.blas(),
-        **provenance.versions(),
+def page(solved: Sequence[Solved[Case, None]], at: Setting) -> Page:
+    """What is in the folder of all parts."""
+    results = read_results(at.out, all_cases())
+    return Page(results.rows, content(results, draw_all(at.out, results)), bars=bars(results))
+
+
+def content(results: PaperResults, pictures: Mapping[str, str]) -> dict[str, Any]:
+    """What the template shows; pictures are addresses by name, or why there is none."""
+    found = claims(results)
+    lines = tuple((f"{number}", claim.text, claim.finding, claim.verdict) for number, claim in enumerate(found, 1))
+    return {
+        "results": results,
+        "errors": errors,
+        "variants": variants,
+        "bonds": bonds,
+        "times": times,
+        "in_short": in_short(results, found),
+        "misses": misses(results),
+        "claims": Table(("", "the paper says", "the rows say", "verdict"), lines, left=(1, 2, 3)),
+        "core_wall": duration(times.seconds(run.summary for case in results.of("core") for run in case.runs)),
+        "total_wall": duration(times.seconds(results.summaries)),
+        "levels": {case.case.scene: scene_tables.convergence(_report_of(case)) for case in results.of("core", "tets")},
+        "stops": stops(results),
+        "notes": notes(results),
+        "runs": facts_table(scene_tables.stamps_of(results.summaries)),
+        "pictures": pictures,
+        "states": {name.removeprefix(STATES): name for name in pictures if name.startswith(STATES)},
     }
-    return results, write_paper_report(folder, results, facts, seconds)
+
+
+def _report_of(case: CaseResult) -> SceneReport:
+    """A case as the tables of scene reports take it."""
+    return SceneReport(
+        name=case.case.scene,
+        title=case.scene.title,
+        scene_toml="",
+        pressures_kpa=tuple(case.pressures_kpa),
+        rows=case.rows,
+        runs=tuple(run.summary for run in case.runs),
+        paths={},
+        fields={},
+        notes=(),
+    )
+
+
+STUDY: Final = Study(
+    name="paper",
+    title="The paper's four actuators: closed form beside finite elements, ANSYS and test",
+    question="What is the paper's closed form worth beside finite elements, and which of its statements hold?",
+    template="paper/page.md.j2",
+    cases=cases,
+    solve=solve,
+    page=page,
+    share="all",
+    options=(
+        click.Option(
+            ["--part"],
+            type=click.Choice(list(PARTS)),
+            multiple=True,
+            default=("core", "variants"),
+            show_default=True,
+            help="Parts to run: the four actuators, variants of them, finer meshes that its bands have to hold.",
+        ),
+    ),
+    prepare=prepare,
+)

@@ -4,25 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from studies.paper import audit as paper_audit
-from studies.paper import bond_tables as paper_bond_tables
-from studies.paper.cases import REFERENCE_SCENES, RING_VARIANTS, THICK
+from studies.paper.bars import main_bars
+from studies.paper.bonds import BONDED_PERCENT, verdicts
+from studies.paper.cases import HIGHEST_KPA, PRESSURES_KPA, REFERENCE, REFERENCE_SCENES, RING_VARIANTS, SETS, THICK
 from studies.paper.claims import Claim
-from studies.paper.numbers import (
-    HIGHEST_KPA,
-    PRESSURES_KPA,
-    best,
-    common_levels,
-    is_known,
-    last_kpa,
-    means_something,
-    named,
-    sets,
-    tip,
-)
-from studies.paper.results import CaseResult, PaperResults
-from studies.paper.tables import CHAINS
-from studies.paper.variant_tables import REFERENCE_RING, nearer
+from studies.paper.errors import CHAINS
+from studies.paper.results import CaseResult, PaperResults, common_levels, is_known, last_kpa, means_something
+from studies.paper.variants import REFERENCE_RING, nearer, readings
 from studies.paper.verdicts import HOLDS, UNDECIDED
 from studies.report.labels import model_label, run_label
 from studies.report.numbers import MISSING, signed
@@ -49,59 +37,52 @@ def in_short(results: PaperResults, found: Sequence[Claim]) -> tuple[str, ...]:
 
 
 def _must_show(results: PaperResults) -> str:
-    ends = (f"at {HIGHEST_KPA:g} kPa", "all meshes, all cases")  # the other lines only say more about these
-    lines = [line for line in paper_audit.acceptance(results).rows if line[0].endswith(ends)]
-    met, missing = (sum(line[-1] == word for line in lines) for word in ("met", "not run"))
-    others = f"{len(lines) - met - missing} are not, {missing} have not been run"
-    return f"Of {len(lines)} numbers that the study must show {met} are met, {others}."
+    verdicts = [bar.met for bar in main_bars(results)]
+    met, not_met, not_run = (verdicts.count(verdict) for verdict in (True, False, None))
+    return (
+        f"Of {len(verdicts)} numbers that the study must show {met} are met, {not_met} are not, "
+        f"{not_run} have not been run."
+    )
 
 
 def _chain(results: PaperResults, model: str) -> str:
     """How far a chain is from the best finite-element answer, over actuators and pressures."""
-    pairs = [
-        (tip(named(results, name), model, pressure), best(named(results, name), pressure))
-        for name in REFERENCE_SCENES
-        for pressure in PRESSURES_KPA
-    ]
+    cases = [results.named(name) for name in REFERENCE_SCENES]
+    pairs = [(case.tip(model, pressure), case.best_tip(pressure)) for case in cases for pressure in PRESSURES_KPA]
     label = model_label(model).capitalize()
-    if any(row and row.status == FOLDED_BACK for row, _ in pairs):
+    if any(row.status == FOLDED_BACK for row, _ in pairs):
         label += " (where it has not folded back)"
     return f"{label} against finite elements: {_spread(pairs)} over the actuators and pressures."
 
 
 def _printed(results: PaperResults, model: str, label: str) -> str:
     """How far the best finite-element answers are from printed numbers."""
-    pairs = [(best(named(results, name)), tip(named(results, name), model)) for name in REFERENCE_SCENES]
-    return f"Finite elements against {label} at {HIGHEST_KPA:g} kPa: {_spread(pairs)}."
+    cases = [results.named(name) for name in REFERENCE_SCENES]
+    spread = _spread((case.best_tip(), case.tip(model)) for case in cases)
+    return f"Finite elements against {label} at {HIGHEST_KPA:g} kPa: {spread}."
 
 
-def _spread(pairs: Iterable[tuple[Row | None, Row | None]]) -> str:
+def _spread(pairs: Iterable[tuple[Row, Row]]) -> str:
     """Range of the differences of pairs, percent of the second."""
-    found = [
-        difference_percent(one.value, other.value)
-        for one, other in pairs
-        if one and other and means_something(one) and is_known(other)
-    ]
+    known = [(one.value, other.value) for one, other in pairs if means_something(one) and is_known(other)]
+    found = [difference_percent(*pair) for pair in known]
     return f"{signed(min(found))} to {signed(max(found))} %" if found else "not run"
 
 
 def _sets(results: PaperResults) -> str:
     """How far the alternates' elongations at 20 kPa are from the reference's."""
-    _, *alternates = sets()
     pairs = [
-        (tip(named(results, other.name)), tip(named(results, own.name)))
-        for _, actuators in alternates
-        for own, other in zip(sets()[0][1], actuators, strict=True)
+        (results.named(other.name).tip(), results.named(own.name).tip())
+        for of_set in SETS.values()
+        for own, other in zip(REFERENCE, of_set, strict=True)
+        if own != other
     ]
     return f"Other inferred dimensions move the elongation at {HIGHEST_KPA:g} kPa by {_spread(pairs)}."
 
 
 def _convention(results: PaperResults) -> str:
-    parts = []
-    for name in THICK:
-        own, other = tip(named(results, name)), tip(results.variant(name, "convention"))
-        answer = nearer(own, other, tip(named(results, name), "paper_ansys"))
-        parts.append(f"{name} {answer if answer != MISSING else 'not run'}")
+    found = {name: nearer(*readings(results, name)) for name in THICK}
+    parts = (f"{name} {'not run' if answer == MISSING else answer}" for name, answer in found.items())
     return f"Ogden convention nearer to the paper's ANSYS: {', '.join(parts)}."
 
 
@@ -110,41 +91,41 @@ def _rings(results: PaperResults) -> str:
     for suffix, label, _ in RING_VARIANTS:
         if suffix != REFERENCE_RING:
             pairs = [
-                _on_one_mesh(results.variant(base, "rings", suffix), results.variant(base, "rings", REFERENCE_RING))
+                _on_one_mesh(*(results.variant(base, "rings", which) for which in (suffix, REFERENCE_RING)))
                 for base in REFERENCE_SCENES
             ]
             parts.append(f"{label} {_spread(pairs)}")
     return f"Rings against meshed PLA at {HIGHEST_KPA:g} kPa: {', '.join(parts)}."
 
 
+def _on_one_mesh(one: CaseResult, other: CaseResult) -> tuple[Row, Row]:
+    """Axisymmetric elongations at 20 kPa of two cases on the finest mesh that both have."""
+    level = next(iter(common_levels(one, other)), "")
+    return one.tip(level=level), other.tip(level=level)
+
+
 def _bonds(results: PaperResults) -> str:
     """How many of the softer bonds still count as bonds."""
-    sentences = paper_bond_tables.verdicts(results)
-    bonded = sum(": bonded" in sentence for sentence in sentences)
-    changed = sum(": model change" in sentence for sentence in sentences)
+    sentences = verdicts(results)
+    bonded, changed = (sum(word in sentence for sentence in sentences) for word in (": bonded", ": model change"))
     return (
-        f"Of {len(sentences)} softer bonds {bonded} change the tip by at most {paper_bond_tables.BONDED_PERCENT:g} % "
+        f"Of {len(sentences)} softer bonds {bonded} change the tip by at most {BONDED_PERCENT:g} % "
         f"and count as bonded, {changed} are a change of model; the report's own bond is rigid."
     )
 
 
-def _on_one_mesh(one: CaseResult | None, other: CaseResult | None) -> tuple[Row | None, Row | None]:
-    """Axisymmetric elongations at 20 kPa of two cases on the finest mesh that both have."""
-    level = next(iter(common_levels(one, other)), "")
-    return tip(one, level=level), tip(other, level=level)
-
-
 def _beyond(results: PaperResults) -> str:
     parts = [
-        f"{case.case.base} {min(last_kpa(run) for run in case.result.axisymmetric):.4g} kPa"
+        f"{case.case.base} {min(last_kpa(run) for run in case.axisymmetric):.4g} kPa"
         for case in results.of("beyond")
-        if case.result.axisymmetric
+        if case.axisymmetric
     ]
     return f"Reached when asked for 30 kPa, all meshes: {', '.join(parts) or 'not run'}."
 
 
 def _claims(found: Sequence[Claim]) -> str:
-    hold, open_ = (sum(claim.verdict == word for claim in found) for word in (HOLDS, UNDECIDED))
+    verdicts = [claim.verdict for claim in found]
+    hold, open_ = verdicts.count(HOLDS), verdicts.count(UNDECIDED)
     return (
         f"Of {len(found)} claims of the paper {hold} hold, {len(found) - hold - open_} do not, {open_} cannot be told."
     )
@@ -155,14 +136,13 @@ def stops(results: PaperResults) -> tuple[str, ...]:
     sentences = []
     for case in results.cases:
         found: dict[str, list[str]] = {}
-        result = case.result
-        for run in result.runs:
+        for run in case.runs:
             if run.summary.status != REACHED:
                 label = f"{run_label(run.summary.model, run.summary.level)} at {last_kpa(run):.4g} kPa"
                 found.setdefault(run.summary.reason, []).append(label)
-        sentences += [f"{case.case.name}, {', '.join(labels)}: {why}" for why, labels in found.items()]
-        if not result.runs:
-            sentences.append(f"{case.case.name}: no finished run")
+        sentences += [f"{case.case.scene}, {', '.join(labels)}: {why}" for why, labels in found.items()]
+        if not case.runs:
+            sentences.append(f"{case.case.scene}: no finished run")
     return tuple(sentences)
 
 
@@ -170,15 +150,9 @@ def notes(results: PaperResults) -> tuple[str, ...]:
     """What the runs' plans skipped and what the scenes' numbers need to be read, each sentence once with its cases."""
     cases: dict[str, dict[str, None]] = {}
     for case in results.cases:
-        for sentence in _sentences(case):
-            cases.setdefault(sentence, {})[case.case.name] = None
+        for sentence in (*validity_notes(case.scene), *(note for run in case.runs for note in run.summary.plan)):
+            cases.setdefault(sentence, {})[case.case.scene] = None
     return tuple(f"{sentence} ({_named(list(names))})" for sentence, names in cases.items())
-
-
-def _sentences(case: CaseResult) -> list[str]:
-    result = case.result
-    runs = result.runs
-    return list(dict.fromkeys((*validity_notes(result.scene), *(s for run in runs for s in run.summary.plan))))
 
 
 def _named(names: Sequence[str]) -> str:

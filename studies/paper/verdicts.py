@@ -13,10 +13,8 @@ FAILS: Final = "does not hold"
 UNDECIDED: Final = "cannot tell"
 
 
-def smaller(one: Row | None, other: Row | None) -> Verdict:
+def smaller(one: Row, other: Row) -> Verdict:
     """Whether a row's value is smaller than another's by more than the sum of their uncertainties."""
-    if one is None or other is None:
-        return UNDECIDED
     gap, doubt = other.value - one.value, one.uncertainty + other.uncertainty
     if not abs(gap) > doubt:  # NaN decides nothing
         return UNDECIDED

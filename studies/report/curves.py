@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import cycle
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ class Curve:
     Attributes
     ----------
     model, label
-        Decides the style; what the legend says.
+        Decides the style; what the legend says, nothing of a label that begins with ``_``.
     pressure_kpa, tip_mm
         Points in the order they are joined; of a blocked tip the force in N.
     uncertainty_mm
@@ -29,6 +29,8 @@ class Curve:
         False: a line only, for paths of many states.
     stopped, stopped_at
         Empty, or what the legend says of the cross where the run ended; its pressure (kPa) and tip (mm).
+    look
+        What differs from the style of the model.
     """
 
     model: str
@@ -39,6 +41,7 @@ class Curve:
     markers: bool = True
     stopped: str = ""
     stopped_at: tuple[float, float] = (0.0, 0.0)
+    look: Mapping[str, Any] = field(default_factory=dict)
 
 
 def draw_elongation(
@@ -79,8 +82,8 @@ def draw_curves(axes: Axes, curves: Sequence[Curve], scale: float = 1.0) -> list
     others = cycle(OTHERS)
     entries: list[Any] = []
     for place, curve in enumerate(curves):
-        style = style_of(curve.model) or dict(next(others))
-        style["markersize"] = scale * {"*": 13.0, "P": 10.0}.get(style["marker"], 6.5)
+        style = {**(style_of(curve.model) or next(others)), **curve.look}
+        style.setdefault("markersize", scale * {"*": 13.0, "P": 10.0}.get(style["marker"], 6.5))
         if "markerfacecolor" in style:
             style["markersize"] *= 1.6
         elif style["linestyle"] == "none":
@@ -93,16 +96,15 @@ def draw_curves(axes: Axes, curves: Sequence[Curve], scale: float = 1.0) -> list
                 curve.tip_mm,
                 yerr=curve.uncertainty_mm or None,
                 label=curve.label,
-                linewidth=1.8 * scale,
                 elinewidth=1.2 * scale,
                 capsize=3.5 * scale,
                 zorder=3.0 + 0.01 * place,
-                **style,
+                **{"linewidth": 1.8 * scale, **style},
             )
         )
         if curve.stopped:
             entries += mark_stop(axes, curve.stopped_at, style["color"], curve.stopped, scale)
-    return entries
+    return [entry for entry in entries if not entry.get_label().startswith("_")]
 
 
 def mark_stop(axes: Axes, at: tuple[float, float], colour: str, label: str, scale: float = 1.0) -> list[Any]:

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Mapping
 
-from studies.results.rows import REACHED, Row
+from studies.results.rows import REACHED, Row, difference_percent
 
 MISSING, MINUS = "–", "\N{MINUS SIGN}"
 
@@ -66,8 +66,25 @@ def typeset(value: float, form: str, missing: str = MISSING) -> str:
 
 def signed(percent: float) -> str:
     """A percentage with its sign and as many decimals as it deserves."""
-    text = f"{percent:+.2f}" if abs(percent) < 1.0 else f"{percent:+.1f}"
-    return text.replace("-", MINUS)
+    return typeset(percent, "+.2f" if abs(percent) < 1.0 else "+.1f")
+
+
+def measured_text(row: Row) -> str:
+    """Any row's value with the decimals of its uncertainty; its status where there is none."""
+    if not math.isfinite(row.value):
+        return row.status.split(":")[0] if row.status != REACHED else MISSING
+    if not row.uncertainty > 0.0:
+        return f"{row.value:.4g}"
+    decimals = min(max(1 - math.floor(math.log10(row.uncertainty)), 0), 4)
+    return f"{row.value:.{decimals}f} ± {up(row.uncertainty, decimals)}"
+
+
+def difference_text(row: Row, reference: Row, decimals: int = 2) -> str:
+    """Signed difference of two rows in their unit, and in percent of the second; a dash where one has no number."""
+    gap = row.value - reference.value
+    if not math.isfinite(gap) or reference.value == 0.0:
+        return MISSING
+    return f"{typeset(gap, f'+.{decimals}f')} ({signed(difference_percent(row.value, reference.value))} %)"
 
 
 def up(value: float, decimals: int) -> str:

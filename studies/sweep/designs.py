@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Final, TypeVar
 
 from analytical.bellows import paper
-from studies.closed_form.tables import SILICONES
+from analytical.bellows.named import SILICONES
 from studies.results import provenance
 from studies.scene.bellows import dimensions_of
 from studies.scene.files import load_bellows

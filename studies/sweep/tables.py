@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from studies.closed_form.tables import SILICONES
+from analytical.bellows.named import SILICONES
 from studies.report.labels import model_label
 from studies.report.numbers import MISSING, signed
 from studies.report.tables import Table, table_of

@@ -1,7 +1,7 @@
 """The verification table: every problem of this repository whose answer is exact, published or known by two routes.
 
 Finite elements: all scenes of ``scenes/exact`` whose rows have a reference, by every model they have, with the observed
-order of convergence. Formulas: the exact solutions themselves, by two routes each (`studies.verification.two_routes`).
+order of convergence. Formulas: the exact solutions themselves, by two routes each (`studies.two_routes`).
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Any, Final
 
 import click
 
+from studies import two_routes
 from studies.engine import Page, Setting, Solved, Study
 from studies.models.session import SCENE_FILE, SceneResult
 from studies.planning.levels import fineness
@@ -23,7 +24,7 @@ from studies.report.numbers import number_text
 from studies.report.tables import Table, table_of
 from studies.results.rows import Row, row
 from studies.scene.bodies import BodyScene
-from studies.verification import exact, two_routes
+from studies.verification import exact
 
 # Two errors tell an order of convergence only above what Newton and the locating of crossings leave, relative.
 NOISE: Final = 1e-8

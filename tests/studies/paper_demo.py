@@ -8,10 +8,8 @@ import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from studies.models.session import SceneResult
-from studies.paper.cases import Case, audit_cases, case_text, cases
+from studies.paper.cases import Case, case_text, cases
 from studies.paper.results import CaseResult, PaperResults
-from studies.paper.study import SCENES
 from studies.results.bellows_rows import bellows_rows
 from studies.results.files import PathRow, RunSummary
 from studies.results.rows import REACHED, Row, row
@@ -19,7 +17,7 @@ from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene
 from studies.scene.files import load_bellows
 
-ALL = {(case.group, case.name): case for case in (*cases(), *audit_cases())}
+ALL = {(case.group, case.scene): case for case in cases()}
 # Elongation at 20 kPa, mm, by wall and by whether the root is the larger one.
 TIPS = {(1.0, False): 150.0, (1.0, True): 100.0, (2.0, False): 70.0, (2.0, True): 45.0}
 # Relative error of a mesh: second order in the meridian, nothing round the circumference.
@@ -39,7 +37,7 @@ def scene_of(group: str, name: str) -> BellowsScene:
 
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "scene.toml")
-        file.write_text(case_text(case_of(group, name), SCENES), encoding="utf-8")
+        file.write_text(case_text(case_of(group, name)), encoding="utf-8")
         return load_bellows(file)
 
 
@@ -111,7 +109,7 @@ def make_case(
     extra: tuple[Row, ...] = (),
 ) -> CaseResult:
     """A case with axisymmetric runs on some meshes and full 3D ones on others; measured by quantity of the pressure."""
-    scene = scene_of(case.group, case.name)
+    scene = scene_of(case.group, case.scene)
     tip = tip or usual_tip(scene)
     flat = [make_run(scene, "axisymmetric", level, tip, stop_kpa, iterations) for level in levels]
     solid = [make_run(scene, "full3d", level, tip, stop_kpa, iterations) for level in bodies]
@@ -121,8 +119,7 @@ def make_case(
         for quantity, value in (measured or {}).items()
         for p in scene.load.pressure_kpa
     ]
-    result = SceneResult(scene, (*flat, *solid), tuple(rows))
-    return CaseResult(case, Path("nowhere", case.place), result, (*found, *extra))
+    return CaseResult(case, Path("nowhere"), scene, tuple(flat), (), tuple(solid), (*rows, *found, *extra))
 
 
 def make_results(*cases_: CaseResult) -> PaperResults:

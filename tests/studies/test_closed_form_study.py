@@ -12,17 +12,17 @@ import pytest
 from mpi4py import MPI
 
 from analytical.bellows.corrections import CORRECTIONS
+from analytical.bellows.named import CHAINS, CUTS, PRESSURES_KPA, SILICONES, path_of
+from analytical.bellows.one_by_one import elongation_by_equations_mm
 from analytical.bellows.paper import actuators
+from studies import two_routes
 from studies.closed_form import maps, materials, sentences, speed, tables
-from studies.closed_form.chains import CHAINS, CUTS, PRESSURES_KPA, SILICONES, path_of
 from studies.closed_form.effects import EFFECTS
-from studies.closed_form.one_by_one import elongation_by_equations_mm
 from studies.closed_form.rows import actuator_rows, chain_rows
 from studies.closed_form.study import STUDY
 from studies.engine import run
 from studies.report.tables import Table, as_text
 from studies.results.rows import Row, read_rows
-from studies.verification import two_routes
 
 ACTUATORS = actuators()
 every_actuator = pytest.mark.parametrize("actuator", ACTUATORS, ids=[actuator.name for actuator in ACTUATORS])

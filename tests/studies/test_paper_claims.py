@@ -23,7 +23,7 @@ from studies.paper.claims import (
     thicker_wall_shortens_alike,
     unfolded_at_highest,
 )
-from studies.paper.results import CaseResult, PaperResults
+from studies.paper.results import CaseResult, PaperResults, no_row
 from studies.paper.verdicts import above, all_of, below, over_sets, smaller
 from studies.results.rows import Row, row
 from tests.studies.paper_demo import ALL, case_of, make_case, make_results, scene_of, usual_tip
@@ -56,12 +56,10 @@ def scaled(name: str, factor: float, group: str = "core") -> CaseResult:
         (number(1.0), number(1.15), OPEN),
         (number(1.0, math.nan), number(2.0), OPEN),
         (number(math.nan), number(2.0), OPEN),
-        (None, number(2.0), OPEN),
+        (no_row(), number(2.0), OPEN),
     ],
 )
-def test_a_difference_within_the_uncertainties_decides_nothing(
-    one: Row | None, other: Row | None, verdict: str
-) -> None:
+def test_a_difference_within_the_uncertainties_decides_nothing(one: Row, other: Row, verdict: str) -> None:
     assert smaller(one, other) == verdict
 
 
@@ -86,7 +84,7 @@ def test_larger_root_shortens() -> None:
     claim = larger_root_shortens(make_results(*core()))
     assert claim.verdict == HOLDS
     assert "heung-t1-ri7 100.0" in claim.finding and "alternate a: no numbers" in claim.finding
-    turned = [case for case in core() if case.case.name != "heung-t1-ri7"] + [scaled("heung-t1-ri7", 2.0)]
+    turned = [case for case in core() if case.case.scene != "heung-t1-ri7"] + [scaled("heung-t1-ri7", 2.0)]
     claim = larger_root_shortens(make_results(*turned))
     assert claim.verdict == FAILS
     assert "the other way round: heung-t1-ri7 at 5 kPa" in claim.finding
@@ -131,7 +129,7 @@ def test_thicker_wall_is_judged_in_one_silicone_too() -> None:
     claim = thicker_wall_shortens_alike(make_results(*core(), *swaps))
     assert claim.verdict == HOLDS
     assert "both in Dragon Skin 30" in claim.finding
-    stiffer = [scaled(case.case.name, 0.3, "silicone") for case in swaps]  # thin ones in 30 shorter than thick ones
+    stiffer = [scaled(case.case.scene, 0.3, "silicone") for case in swaps]  # thin ones in 30 shorter than thick ones
     assert thicker_wall_shortens_alike(make_results(*core(), *stiffer)).verdict == FAILS
     assert thicker_wall_shortens_alike(make_results(*core(), *swaps[:1])).verdict == OPEN
 

@@ -12,14 +12,8 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
-from studies.models.session import SceneResult
+from studies.paper import panels, plots
 from studies.paper.cases import Case, Group, case_text, cases
-from studies.paper.plots import assumptions, beyond, blocked, elongations, rings
-from studies.paper.plots.assumptions import draw_assumptions
-from studies.paper.plots.beyond import draw_beyond
-from studies.paper.plots.blocked import draw_blocked
-from studies.paper.plots.elongations import draw_conventions, draw_dimensions_matter, draw_elongations
-from studies.paper.plots.rings import draw_rings
 from studies.paper.results import CaseResult, PaperResults
 from studies.report.style import figure_file
 from studies.results.files import PathRow, RunSummary
@@ -27,15 +21,14 @@ from studies.results.rows import FOLDED_BACK, REACHED, Row, row
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene
 
-SCENES = Path(__file__).resolve().parents[2] / "scenes"
 DRAW = [
-    draw_elongations,
-    draw_dimensions_matter,
-    draw_beyond,
-    draw_assumptions,
-    draw_blocked,
-    draw_conventions,
-    draw_rings,
+    panels.draw_elongations,
+    panels.draw_dimensions_matter,
+    plots.draw_beyond,
+    plots.draw_assumptions,
+    panels.draw_blocked,
+    panels.draw_conventions,
+    plots.draw_rings,
 ]
 # Elongation per kPa of the made-up models, mm.
 SLOPES = {
@@ -106,7 +99,7 @@ def made_up(
     cause, crossing_kpa
         Why it stops, and from where on its states have an unstable mode.
     """
-    scene = BellowsScene.model_validate(tomllib.loads(case_text(case, SCENES)))
+    scene = BellowsScene.model_validate(tomllib.loads(case_text(case)))
     asked = [p for p in scene.load.pressure_kpa if p <= stop_kpa]
     rows: list[Row] = []
 
@@ -134,22 +127,21 @@ def made_up(
     path = [state(p, slope * p, 0.15 * p, modes[p], "requested" if p in asked else "step") for p in modes]
     why = cause if stop_kpa < math.inf else ""
     run = Run(summary("axisymmetric", "r4", 10.0, why, crossing_kpa), tuple(path))
-    result = SceneResult(scene, (run,), tuple(rows))
-    return CaseResult(case, Path("nowhere"), result, ())
+    return CaseResult(case, Path("nowhere"), scene, (run,), rows=tuple(rows))
 
 
 def measured(case: CaseResult) -> CaseResult:
     rows = []
-    for p in case.result.scene.load.pressure_kpa:
+    for p in case.pressures_kpa:
         for quantity in ("root_stretch_outer", "wall_stretch", "ring_hoop_stretch"):
             for model, slope in (("axisymmetric", 0.1), ("closed_form", 0.08)):
                 if (quantity, model) != ("ring_hoop_stretch", "closed_form"):
-                    rows.append(row(case.case.name, quantity, "1", p, model, 1.0 + slope * p, "r4"))
-    return replace(case, measured=tuple(rows))
+                    rows.append(row(case.case.scene, quantity, "1", p, model, 1.0 + slope * p, "r4"))
+    return replace(case, rows=(*case.rows, *rows))
 
 
 def results(*groups: Group, make: Callable[[Case], CaseResult] = made_up) -> PaperResults:
-    return PaperResults(tuple(make(case) for case in cases() if case.group in groups))
+    return PaperResults(tuple(make(case) for case in cases(*groups)))
 
 
 def missing_one(found: PaperResults, base: str) -> PaperResults:
@@ -167,8 +159,8 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
             figures.append(figure)
             yield figure
 
-    for plots in (assumptions, beyond, blocked, elongations, rings):
-        monkeypatch.setattr(plots, "figure_file", keep)
+    for module in (panels, plots):
+        monkeypatch.setattr(module, "figure_file", keep)
     return figures
 
 
@@ -202,15 +194,15 @@ def test_elongations(tmp_path: Path, drawn: list[Figure]) -> None:
         return made_up(case, past_kpa=10.0 if case.base == "heung-t1-ri7" else math.inf)
 
     found = results("core", "tets", make=make)
-    assert draw_elongations(tmp_path / "x.png", found) == ""
+    assert panels.draw_elongations(tmp_path / "x.png", found) == ""
     assert (tmp_path / "x.png").is_file()
     (figure,) = drawn
-    panels = figure.axes
-    assert [axes.get_title() for axes in panels][::3] == [
+    shown = figure.axes
+    assert [axes.get_title() for axes in shown][::3] == [
         "t = 1 mm, $R_i$ = 5 mm, Dragon Skin 10",
         "t = 2 mm, $R_i$ = 7 mm, Dragon Skin 30",
     ]
-    first, second = curves(panels[0]), curves(panels[1])
+    first, second = curves(shown[0]), curves(shown[1])
     printed = "closed form as printed, to its fold-back"
     assert first[printed][0] == [0.0, 5.0, 10.0, 15.0, 20.0]
     assert second[printed] == ([0.0, 5.0], [0.0, 15.0])
@@ -219,29 +211,29 @@ def test_elongations(tmp_path: Path, drawn: list[Figure]) -> None:
     assert first["full 3D, the paper's tetrahedra"][1] == pytest.approx([25.5, 51.0, 76.5, 102.0])
     assert first["paper: experiment"] == ([20.0], [76.0])
     assert legend(figure) == [*list(first)[:5], "axisymmetric ± 0.2 mm or less, within its line", *list(first)[5:]]
-    for axes in panels:
+    for axes in shown:
         assert axes.get_xlim()[1] >= 20.0 and axes.get_ylim()[0] == 0.0
 
 
 def test_a_wide_band_is_not_called_hidden(tmp_path: Path, drawn: list[Figure]) -> None:
-    draw_elongations(tmp_path / "x.png", results("core", make=lambda case: made_up(case, bar_mm=9.0)))
+    panels.draw_elongations(tmp_path / "x.png", results("core", make=lambda case: made_up(case, bar_mm=9.0)))
     assert "axisymmetric ± 9 mm or less" in legend(drawn[0])
 
 
 def test_elongations_without_some(tmp_path: Path, drawn: list[Figure]) -> None:
     found = missing_one(results("core"), "heung-t1-ri7")
-    assert draw_elongations(tmp_path / "x.png", found) == ""
+    assert panels.draw_elongations(tmp_path / "x.png", found) == ""
     assert drawn[0].axes[1].get_title() == "heung-t1-ri7: not run"
     assert not any("tetrahedra" in label for label in legend(drawn[0]))
 
 
 def test_a_path_that_stopped_is_marked(tmp_path: Path, drawn: list[Figure]) -> None:
-    draw_elongations(tmp_path / "x.png", results("core", make=lambda case: made_up(case, stop_kpa=17.0)))
+    panels.draw_elongations(tmp_path / "x.png", results("core", make=lambda case: made_up(case, stop_kpa=17.0)))
     assert curves(drawn[0].axes[0])["axisymmetric: stops at 17.0 kPa (limit point)"] == ([17.0], [85.0])
 
 
 def test_dimensions_matter(tmp_path: Path, drawn: list[Figure]) -> None:
-    assert draw_dimensions_matter(tmp_path / "x.png", results("core", "alternates")) == ""
+    assert panels.draw_dimensions_matter(tmp_path / "x.png", results("core", "alternates")) == ""
     (figure,) = drawn
     assert [len(entries(axes)) for axes in figure.axes] == [3, 3, 3, 3]
     assert entries(figure.axes[3])[2] == "alternate b: $R_i$ 7.5, $R_p$ 10.5, $e$ 6.5, $n$ 8, DS 10"
@@ -250,7 +242,7 @@ def test_dimensions_matter(tmp_path: Path, drawn: list[Figure]) -> None:
 
 
 def test_dimensions_matter_with_one_set(tmp_path: Path, drawn: list[Figure]) -> None:
-    assert draw_dimensions_matter(tmp_path / "x.png", missing_one(results("core"), "heung-t2-ri5")) == ""
+    assert panels.draw_dimensions_matter(tmp_path / "x.png", missing_one(results("core"), "heung-t2-ri5")) == ""
     assert [axes.get_legend() is None for axes in drawn[0].axes] == [False, False, True, False]
 
 
@@ -258,7 +250,7 @@ def test_beyond(tmp_path: Path, drawn: list[Figure]) -> None:
     def make(case: Case) -> CaseResult:
         return made_up(case, stop_kpa=24.0, crossing_kpa=23.0) if "t1" in case.base else made_up(case)
 
-    assert draw_beyond(tmp_path / "x.png", results("beyond", make=make)) == ""
+    assert plots.draw_beyond(tmp_path / "x.png", results("beyond", make=make)) == ""
     (figure,) = drawn
     top, middle, strip = figure.axes
     assert "t = 1 mm, $R_i$ = 5 mm: stops at 24.0 kPa (limit point at 23.0 ± 0.5 kPa)" in legend(figure)
@@ -276,10 +268,10 @@ def test_beyond(tmp_path: Path, drawn: list[Figure]) -> None:
 
 def test_assumptions(tmp_path: Path, drawn: list[Figure]) -> None:
     found = results("core", make=lambda case: measured(made_up(case)))
-    assert draw_assumptions(tmp_path / "x.png", found) == ""
+    assert plots.draw_assumptions(tmp_path / "x.png", found) == ""
     root, _, ring = drawn[0].axes
     dashed = [line for line in root.lines if line.get_linestyle() == "--"]
-    dots = [line for line in root.lines if line.get_marker() not in ("None", "")]
+    dots = [line for line in root.lines if line.get_linestyle() == "None"]
     assert len(dashed) == len(dots) == 4
     assert ends(dashed[0])[1] == pytest.approx([1.0, 1.4, 1.8, 2.2, 2.6])
     assert ends(dots[0])[1] == pytest.approx([1.5, 2.0, 2.5, 3.0])
@@ -289,7 +281,7 @@ def test_assumptions(tmp_path: Path, drawn: list[Figure]) -> None:
 
 def test_blocked(tmp_path: Path, drawn: list[Figure]) -> None:
     found = results("blocked", make=lambda case: made_up(case, 12.0, cause="bifurcation", crossing_kpa=10.6))
-    assert draw_blocked(tmp_path / "x.png", found) == ""
+    assert panels.draw_blocked(tmp_path / "x.png", found) == ""
     axes = drawn[0].axes[0]
     known = curves(axes)
     assert known["closed form"][1] == pytest.approx([0.0, 0.2, 0.5, 1.0, 1.5, 2.0])
@@ -304,34 +296,34 @@ def test_blocked(tmp_path: Path, drawn: list[Figure]) -> None:
 
 
 def test_conventions(tmp_path: Path, drawn: list[Figure]) -> None:
-    assert draw_conventions(tmp_path / "x.png", results("core", "convention")) == ""
+    assert panels.draw_conventions(tmp_path / "x.png", results("core", "convention")) == ""
     assert len(drawn[0].axes) == 2
     assert list(curves(drawn[0].axes[0])) == [
-        "paper: closed form",
-        "paper: ANSYS",
-        "paper: experiment",
         r"axisymmetric, 2$\mu/\alpha^2$",
         r"closed form, 2$\mu/\alpha^2$",
         r"axisymmetric, $\mu/\alpha$",
         r"closed form, $\mu/\alpha$",
+        "paper: closed form",
+        "paper: ANSYS",
+        "paper: experiment",
     ]
-    assert draw_conventions(tmp_path / "y.png", results("convention")) == ""
+    assert panels.draw_conventions(tmp_path / "y.png", results("convention")) == ""
 
 
 def scaled(case: CaseResult, factor: float, seconds: float) -> CaseResult:
-    (run,) = case.result.axisymmetric
+    (run,) = case.axisymmetric
     path = tuple(replace(entry, tip_mm=factor * entry.tip_mm) for entry in run.path)
     run = Run(replace(run.summary, time_s={"total": seconds}), path)
-    return replace(case, result=replace(case.result, runs=(run,)))
+    return replace(case, axisymmetric=(run,))
 
 
 def test_rings(tmp_path: Path, drawn: list[Figure]) -> None:
     known = {"rigid": (0.99, 4.0), "pla": (1.0, 9.0), "polyethylene": (1.002, 10.0)}
 
     def make(case: Case) -> CaseResult:
-        return scaled(made_up(case), *known[case.name.split("ring-")[1]])
+        return scaled(made_up(case), *known[case.scene.split("ring-")[1]])
 
-    assert draw_rings(tmp_path / "x.png", results("rings", make=make)) == ""
+    assert plots.draw_rings(tmp_path / "x.png", results("rings", make=make)) == ""
     (axes,) = drawn[0].axes
     assert axes.get_xscale() == "log"
     joined = [line for line in axes.lines if len(ends(line)[0]) == 3]
@@ -342,5 +334,5 @@ def test_rings(tmp_path: Path, drawn: list[Figure]) -> None:
 
 
 def test_rings_without_pla(tmp_path: Path) -> None:
-    found: Sequence[CaseResult] = [c for c in results("rings").cases if not c.case.name.endswith("pla")]
-    assert "PLA" in draw_rings(tmp_path / "x.png", PaperResults(tuple(found)))
+    found: Sequence[CaseResult] = [c for c in results("rings").cases if not c.case.scene.endswith("pla")]
+    assert "PLA" in plots.draw_rings(tmp_path / "x.png", PaperResults(tuple(found)))

@@ -7,8 +7,10 @@ from pathlib import Path
 import pytest
 from mpi4py import MPI
 
-from studies.paper import study as paper_study
-from studies.paper.cases import Case, audit_cases, case_text, cases
+from studies.engine import Setting
+from studies.paper import study
+from studies.paper.cases import PARTS, Case, case_text, cases
+from studies.paper.results import read_results
 from studies.progress import Progress
 from studies.results.files import SUMMARY_FILE
 from studies.scene.files import load_bellows
@@ -24,8 +26,8 @@ def small(name: str, **changes: object) -> Case:
 
 def run(folder: Path, *chosen: Case) -> dict[str, float]:
     """Run cases; when the summary of each was written."""
-    assert paper_study.run_cases(folder, chosen, MPI.COMM_SELF, Progress(MPI.COMM_SELF)) == []
-    return {c.name: (folder / c.place / "axisymmetric-r1" / SUMMARY_FILE).stat().st_mtime_ns for c in chosen}
+    assert study.prepare(chosen, Setting(folder, MPI.COMM_SELF, Progress(MPI.COMM_SELF), {})) == []
+    return {c.scene: (folder / c.name / "axisymmetric-r1" / SUMMARY_FILE).stat().st_mtime_ns for c in chosen}
 
 
 def test_after_a_change_only_what_depends_on_it_is_run(tmp_path: Path) -> None:
@@ -35,37 +37,42 @@ def test_after_a_change_only_what_depends_on_it_is_run(tmp_path: Path) -> None:
     again = run(tmp_path, one, small("other", geometry__wall_mm=1.8))
     assert again["one"] == first["one"]
     assert again["other"] > first["other"]
-    found = paper_study.read_results(tmp_path, (one, other))
-    assert [len(case.result.axisymmetric) for case in found.cases] == [1, 1]
+    found = read_results(tmp_path, (one, other))
+    assert [len(case.axisymmetric) for case in found.cases] == [1, 1]
     # a run that was there before the scene changed is no result of it
-    paper_study.write_scenes(tmp_path, (other,))
-    assert paper_study.read_results(tmp_path, (other,)).cases[0].result.axisymmetric == ()
+    study.write_scenes(tmp_path, (other,))
+    assert read_results(tmp_path, (other,)).cases[0].axisymmetric == ()
 
 
 def test_equal_content_is_run_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     done = []
-    actual = paper_study.run_axisymmetric
+    actual = study.run_axisymmetric
 
     def counted(scene, *args):
         done.append(scene.name)
         return actual(scene, *args)
 
-    monkeypatch.setattr(paper_study, "run_axisymmetric", counted)
+    monkeypatch.setattr(study, "run_axisymmetric", counted)
     run(tmp_path, small("one"), small("same"))
     assert done == ["one"]
-    for case in paper_study.read_results(tmp_path, (small("one"), small("same"))).cases:
+    for case in read_results(tmp_path, (small("one"), small("same"))).cases:
         (row,) = [r for r in case.rows if r.quantity == "tip_mm" and r.model == "axisymmetric"]
-        assert row.scene == case.case.name
+        assert row.scene == case.case.scene
         assert row.value > 0.0
-        assert any(r.quantity == "root_stretch_outer" for r in case.measured)
+        assert any(r.quantity == "root_stretch_outer" for r in case.rows)
 
 
-@pytest.mark.parametrize("case", (*cases(), *audit_cases()), ids=lambda case: str(case.place))
+def test_parts_make_up_the_study() -> None:
+    assert study.cases({"part": tuple(PARTS)}) == cases()
+    assert [case.group for case in study.cases({"part": ("core",)})] == ["core"] * 4
+
+
+@pytest.mark.parametrize("case", cases(), ids=lambda case: case.name)
 def test_every_case_is_a_scene_that_is_accepted(tmp_path: Path, case: Case) -> None:
     path = tmp_path / "scene.toml"
-    path.write_text(case_text(case, paper_study.SCENES), encoding="utf-8")
+    path.write_text(case_text(case), encoding="utf-8")
     scene = load_bellows(path)
-    assert scene.name == case.name
+    assert scene.name == case.scene
     for key, value in case.changes.items():
         at = scene.model_dump()
         for part in key.split("."):

@@ -136,7 +136,7 @@ def test_a_wrong_file_is_refused_with_its_reason_and_nothing_is_written(tmp_path
 def test_scene_files_are_made_as_the_paper_study_makes_them() -> None:
     case = next(case for case in cases() if case.changes)
     base = (ROOT / "scenes" / f"{case.base}.toml").read_text(encoding="utf-8")
-    assert changed_text(base, case.name, case.changes) == case_text(case, ROOT / "scenes")
+    assert changed_text(base, case.scene, case.changes) == case_text(case)
 
 
 # --- running --------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""The chains of the closed form, what the paper prints beside them, and names of the silicones."""
+"""The chains of the closed form by the names of models, what the paper prints beside them, names of the silicones."""
 
 from __future__ import annotations
 
