@@ -27,9 +27,10 @@ def write_reports(folder: Path) -> None:
     """Pages of a folder: of the paper study, of bellows, and beside them of bodies with exact answers."""
     from studies.engine import Solved, load_study, render
     from studies.models.session import SCENE_FILE
-    from studies.report.scene_page import read_result, report_of
+    from studies.report.scene_page import report_of
     from studies.report.scene_report import SceneReport
     from studies.scene.bodies import BodyScene
+    from studies.scene.files import kept_scene
     from studies.smoke import study as smoke
     from studies.verification import exact
 
@@ -40,9 +41,8 @@ def write_reports(folder: Path) -> None:
     folders = folders or ([folder] if (folder / SCENE_FILE).exists() else [])
     if not folders:
         refuse(f"{folder}: holds no scene results; run solve, batch or a study first")
-    results = [(place, read_result(place)) for place in folders]
     solved: list[Solved[Any, SceneReport]] = [
-        Solved(result.scene, report_of(result, place)) for place, result in results
+        Solved(kept_scene(place / SCENE_FILE), report_of(place)) for place in folders
     ]
     bellows = [done for done in solved if not isinstance(done.case, BodyScene)]
     bodies = [done for done in solved if isinstance(done.case, BodyScene)]

@@ -1,4 +1,4 @@
-"""What reports say of scenes that have been run, from their results and folders."""
+"""What reports say of scenes that have been run, from their folders: the same whether runs were solved or kept."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from meshes.bellows import FloatArray
-from studies.models.session import ROWS_FILE, SCENE_FILE, SceneKind, SceneResult, read_scene_folder
+from studies.models.session import ROWS_FILE, SCENE_FILE, SceneResult, read_scene_folder
 from studies.report.labels import counted_along
 from studies.report.pictures.stills import RingBox
 from studies.report.scene_report import SceneReport
@@ -19,7 +19,7 @@ from studies.scene.bellows import BellowsScene, shape_of
 from studies.scene.files import Scene, kept_scene
 
 
-def read_result(folder: Path) -> SceneResult[Scene]:
+def _read_result(folder: Path) -> SceneResult[Scene]:
     """The results of a scene as they are in its folder.
 
     Those of a bellows are compared anew; of a simple body the runs behind its rows, for runs of an earlier plan may be
@@ -35,8 +35,9 @@ def read_result(folder: Path) -> SceneResult[Scene]:
     return SceneResult(scene, runs, rows)
 
 
-def report_of(result: SceneResult[SceneKind], folder: Path) -> SceneReport:
+def report_of(folder: Path) -> SceneReport:
     """What reports say of a scene whose results are in a folder."""
+    result = _read_result(folder)
     scene, finest = result.scene, result.full3d[-1].summary if result.full3d else None
     fields: dict[float, Path] = {}
     rings: dict[float, tuple[RingBox, ...]] = {}

@@ -6,7 +6,7 @@ Lengths are in mm, pressures in kPa, masses in g, times in s.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from studies.planning.levels import ranking
 from studies.report.labels import MODELS, model_label, ordered, quantity_label, runs_label
@@ -31,7 +31,7 @@ from studies.report.scene_report import (
     quantity_of,
     unit_of,
 )
-from studies.report.tables import Table, facts_table
+from studies.report.tables import Table
 from studies.results.files import PathRow, RunSummary
 from studies.results.rows import REACHED, Row, difference_percent, is_reached
 
@@ -210,11 +210,6 @@ def masses(scene: SceneReport) -> Table:
         place = columns.index(quantity) if quantity in columns else len(columns)
         lines.append((f"reference: {source}", *("", "", "")[:place], mass, *("", "", "")[place + 1 :]))
     return Table(("mesh", "silicone, g", "rings, g", "together, g"), tuple(lines))
-
-
-def provenance(scenes: Sequence[SceneReport], stamps: Mapping[str, str]) -> Table:
-    """The caller's stamps, and those of the runs: a run that was not repeated keeps its own."""
-    return facts_table({**stamps, **stamps_of([run for scene in scenes for run in scene.runs])})
 
 
 def stamps_of(runs: Sequence[RunSummary]) -> dict[str, str]:

@@ -11,7 +11,7 @@ from studies.planning.bellows import SECTOR_LEVELS, plan_bellows
 from studies.planning.error_model import ROUNDS, cells_of
 from studies.report.scene_page import report_of
 from studies.report.scene_report import SceneReport
-from studies.report.scenes import content
+from studies.report.scenes import content, verdict
 from studies.results import provenance
 from studies.scene.bellows import BellowsScene
 from studies.scene.files import load_bellows
@@ -27,15 +27,20 @@ def cases(options: Mapping[str, Any]) -> list[BellowsScene]:
 def solve(scene: BellowsScene, at: Setting) -> SceneReport:
     """Every model, on the fewest cells round."""
     plan = plan_bellows(scene, "full3d", ROUNDS[cells_of(scene)][:1], SECTOR_LEVELS[:1])
-    folder = at.out / scene.name
-    return report_of(run_plan(scene, SCENE.read_text(encoding="utf-8"), plan, folder, at.comm, at.progress), folder)
+    run_plan(scene, SCENE.read_text(encoding="utf-8"), plan, at.out / scene.name, at.comm, at.progress)
+    return report_of(at.out / scene.name)
 
 
 def page(solved: Sequence[Solved[BellowsScene, SceneReport]], at: Setting) -> Page:
     """What the models say of each bellows."""
     reports = [done.result for done in solved]
     rows = [row for report in reports for row in report.rows]
-    return Page(rows, content(at.out, reports), [f"{r.name}: {r.stopped}" for r in reports if r.stopped])
+    return Page(
+        rows,
+        content(at.out, reports),
+        stopped=[f"{report.name}: {report.stopped}" for report in reports if report.stopped],
+        headlines=[f"{report.name}: {verdict(report)}" for report in reports],
+    )
 
 
 STUDY: Final = Study(

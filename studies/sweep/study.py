@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, Final
 
@@ -116,10 +117,10 @@ def _draw_maps(folder: Path, rows: Sequence[SweepRow], mapped: Sequence[SweepRow
         return f"pictures/{name}.png"
 
     elongation = f"elongation at the tip by finite elements, n = {MAP_COUNT}, mm"
-    found = {"elongation": draw("elongation", "elongation", lambda row: row.axisymmetric, elongation)}
+    found = {"elongation": draw("elongation", "elongation", attrgetter("axisymmetric"), elongation)}
     for chain in CHAINS:
         label = f"{model_label(chain)} less finite elements, %"
-        found[chain] = draw(chain.replace("_", "-"), "percent", lambda row, c=chain: row.percent(c), label)  # type: ignore[misc]
+        found[chain] = draw(chain.replace("_", "-"), "percent", attrgetter(f"{chain}_percent"), label)
     return found
 
 

@@ -18,6 +18,7 @@ from studies.results.files import PATH_COLUMNS, read_path, read_summary
 from studies.results.rows import COLUMNS, read_rows
 
 ROOT = Path(__file__).resolve().parents[2]
+SCENE_PICTURES = ("elongation", "states", "times")
 
 
 @pytest.fixture(scope="session")
@@ -259,6 +260,18 @@ def test_fields_asked_for_later_are_written_from_the_kept_states(small_scene, so
     assert result.exit_code == 0
     assert len(list((copy / "full3d-n8" / "fields").glob("*.vtu"))) == 2
     assert (copy / "full3d-n8" / "summary.json").read_bytes() == before
+
+
+def test_report_of_a_scene_is_made_from_its_folder(solved, tmp_path):
+    copy = tmp_path / "copy"
+    shutil.copytree(solved, copy)
+    result = CliRunner().invoke(main, ["report", str(copy)])
+    assert result.exit_code == 0, result.output
+    assert [r.quantity for r in read_rows(copy / "rows.csv")] == [r.quantity for r in read_rows(solved / "rows.csv")]
+    text = (copy / "report.md").read_text(encoding="utf-8")
+    assert "### Elongation by pressure and model" in text
+    assert "Grey: the rigid rings" in text
+    assert {path.name for path in (copy / "pictures").iterdir()} == {f"small-{n}.png" for n in SCENE_PICTURES}
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
