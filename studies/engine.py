@@ -266,7 +266,10 @@ def solve_cases(
     of_case = setting.comm if study.share == "all" else MPI.COMM_SELF
     inner = Setting(setting.out, of_case, setting.progress, setting.options)
 
+    place = {case.name: k for k, case in enumerate(cases, 1)}
+
     def attempt(case: CaseT) -> Solved[CaseT, ResultT] | str:
+        setting.progress.case(place[case.name], len(cases), case.name)
         try:
             return Solved(case, study.solve(case, inner))
         except FAULTS as error:

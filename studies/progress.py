@@ -23,17 +23,23 @@ class Progress:
         self._console = Console(stderr=True)
         self._on = comm.rank == 0 and self._console.is_terminal
         self._status: Status | None = None
-        self._label = ""
+        self._case = self._label = ""
         self._start = 0.0
         self._highest_mpa = 0.0
         self._share = 0.0
 
+    def case(self, place: int, count: int, name: str) -> None:
+        """A study comes to one of its cases, counted from 1; what runs from now on belongs to it."""
+        self._case = f"{name}, case {place} of {count}: "
+        if self._on and self._status is None:
+            self._console.print(self._case.removesuffix(": "), highlight=False)
+
     def begin(self, label: str, highest_mpa: float) -> None:
         """A run starts; it ends when the highest pressure is reached."""
-        self._label, self._highest_mpa, self._share = label, highest_mpa, 0.0
+        self._label, self._highest_mpa, self._share = self._case + label, highest_mpa, 0.0
         self._start = time.perf_counter()
         if self._on:
-            self._status = self._console.status(f"{label}: meshing, compiling")
+            self._status = self._console.status(f"{self._label}: meshing, compiling")
             self._status.start()
 
     def iteration(self, what: str, pressure_mpa: float, iteration: int, error: float) -> None:
