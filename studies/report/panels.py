@@ -91,8 +91,8 @@ def add_panel(axes: Axes, panel: Panel) -> None:
     """Draw a panel on axes."""
     for series in panel.series:
         axes.plot(series.x, series.y, label=series.label or "_", **series.look)
-    for direction in panel.logarithmic:
-        axes.set(**{f"{direction}scale": "log"})
+    for direction in panel.logarithmic if any(len(series.x) for series in panel.series) else "":
+        axes.set(**{f"{direction}scale": "log"})  # which needs something to show
     if panel.linear_to is not None:
         axes.set_xscale("symlog", linthresh=panel.linear_to)
         axes.set_xlim(left=0.0)
