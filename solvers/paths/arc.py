@@ -30,7 +30,7 @@ from solvers.problem import Problem
 from solvers.state import State
 
 # A solution further from where it was expected than this share of the step may lie on another part of the path, or on
-# another one: two spheres on one cavity have branches a step of 0.25 apart (tests/solvers/test_arc_length.py).
+# another one: two spheres on one cavity have branches a step of 0.25 apart (tests/solvers/paths/test_arc_length.py).
 FARTHEST = 0.25
 # A volume that falls short by so many failed steps of where dV/dP is going to vanish is taken to turn back there.
 TURN_WITHIN = 3.0

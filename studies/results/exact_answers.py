@@ -26,7 +26,7 @@ NONE: Answer = (math.nan, "")
 
 # Cook's membrane with the numbers of Simo and Armero (Int. J. Numer. Meth. Eng. 33 (1992) 1413), incompressible. No
 # printed digits were found, so the reference is this program's own: meshes n8, n16, n32, n48 give 6.92236, 6.93051,
-# 6.93260, 6.93310 mm, and the limit is known to 0.0005 mm (a slow test in tests/studies/test_published_problems.py).
+# 6.93260, 6.93310 mm, and the limit is known to 0.0005 mm (a slow test in tests/studies/verification).
 COOK_MATERIAL = NeoHookeMaterial(law="neo-hooke", mu_kpa=80193.8)
 COOK_KPA, COOK_CORNER_MM = 6250.0, 6.9335
 # Land et al. 2015, problem 2: geometry, material, pressure in kPa, and the position of the apex inside, apex down.

@@ -23,7 +23,7 @@ from studies.results.files import read_summary, write_text_atomically
 from studies.results.rows import read_rows, write_rows
 
 RANKS = 2
-INERTIA = provenance.ROOT / "tests" / "studies" / "inertia_script.py"
+INERTIA = provenance.ROOT / "tests" / "studies" / "models" / "inertia_script.py"
 FIGURES_FILE = "figures.json"
 
 

@@ -25,7 +25,7 @@ from studies.results.rows import is_reached, read_rows
 from studies.scene.files import load_bellows
 from studies.sweep.farm import run_sweep
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 
 # A thin clamped tube of neo-Hookean material: it bends sideways, in one harmonic and soon.
 TUBE = """

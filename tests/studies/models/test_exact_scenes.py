@@ -19,7 +19,7 @@ from studies.scene.bodies import BodyScene
 from studies.scene.files import load_scene
 from studies.scene.sections import SceneError
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 SCENES = ROOT / "scenes" / "exact"
 YEOH = 'law = "yeoh"\nc_kpa = [36.0, 2.5, 0.23]'
 OGDEN = 'law = "ogden"\nmu_kpa = 75.449\nalpha = 5.836\nconvention = "2mu/alpha^2"'

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from studies.__main__ import main
 from studies.results.files import read_path, read_summary
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 # Axisymmetric tips at 20 kPa on level r4, where triangles and quadrilaterals agree to 0.02 mm.
 CONVERGED_MM = {"heung-t2-ri5": 74.21, "heung-t1-ri5": 149.68}
 

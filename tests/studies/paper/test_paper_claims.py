@@ -26,7 +26,7 @@ from studies.paper.claims import (
 from studies.paper.results import CaseResult, PaperResults, no_row
 from studies.paper.verdicts import above, all_of, below, over_sets, smaller
 from studies.results.rows import Row, row
-from tests.studies.paper_demo import ALL, case_of, make_case, make_results, scene_of, usual_tip
+from tests.studies.paper.paper_demo import ALL, case_of, make_case, make_results, scene_of, usual_tip
 
 HOLDS, FAILS, OPEN = "holds", "does not hold", "cannot tell"
 

@@ -15,7 +15,7 @@ from studies.scene.bellows import in_hexahedra
 from studies.scene.files import load_bellows
 from studies.scene.sections import SceneError
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import pytest
 
 from studies.results.bellows_rows import bellows_rows
 from studies.results.runs import MERIDIAN_ORDER, tip_convergence
-from tests.studies.paper_demo import make_run, scene_of
+from tests.studies.paper.paper_demo import make_run, scene_of
 
 FIRST = "heung-t1-ri5"
 

@@ -19,7 +19,7 @@ from studies.scene.files import load_bellows
 from studies.scene.materials import law_of
 from studies.scene.sections import SceneError
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 INLET_MM2 = math.pi * 10.5**2
 
 

@@ -21,7 +21,7 @@ from studies.scene.files import load_scene
 from studies.scene.sections import SceneError
 from studies.verification import study as verification
 
-SCENES = Path(__file__).resolve().parents[2] / "scenes" / "exact"
+SCENES = Path(__file__).resolve().parents[3] / "scenes" / "exact"
 
 
 def run(*arguments: object) -> Result:

@@ -16,7 +16,7 @@ from studies.paper.results import CaseResult, PaperResults, no_row
 from studies.report.numbers import MISSING, measured_text
 from studies.report.tables import Table
 from studies.results.rows import read_rows, row
-from tests.studies.paper_demo import case_of, make_case, make_results, scene_of, usual_tip, whole
+from tests.studies.paper.paper_demo import case_of, make_case, make_results, scene_of, usual_tip, whole
 
 FIRST = REFERENCE_SCENES[0]
 TABLES: tuple[Callable[[PaperResults], Table], ...] = (

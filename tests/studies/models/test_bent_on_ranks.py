@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 SCRIPT = Path(__file__).with_name("bent_script.py")
 SHORT = ROOT / "scenes" / "imperfection" / "short-core-10.toml"
 

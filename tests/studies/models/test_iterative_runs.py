@@ -18,7 +18,7 @@ from studies.scene.bellows import BellowsScene
 from studies.scene.files import load_bellows, load_scene
 from studies.scene.sections import SceneError
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 
 
 @pytest.fixture

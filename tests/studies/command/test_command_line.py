@@ -17,7 +17,7 @@ from studies.models import run_log
 from studies.results.files import PATH_COLUMNS, read_path, read_summary
 from studies.results.rows import COLUMNS, read_rows
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 SCENE_PICTURES = ("elongation", "states", "times")
 
 

@@ -12,7 +12,7 @@ from studies.scene.files import load_bellows
 from studies.scene.materials import inverse_kappa, law_of
 from studies.scene.sections import SceneError
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 REFERENCE = (ROOT / "scenes" / "heung-t2-ri5.toml").read_text(encoding="utf-8")
 
 

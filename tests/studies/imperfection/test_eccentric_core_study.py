@@ -28,7 +28,7 @@ from studies.scene.files import load_bellows
 from studies.scene.meshes import scene_body, scene_meridian
 from studies.scene.sections import SceneError
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 SHORT = ROOT / "scenes" / "imperfection" / "short-core-10.toml"
 
 

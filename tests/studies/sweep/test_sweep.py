@@ -33,7 +33,7 @@ from studies.sweep.rules import Point, Rule, across, one_factor, two_factors
 from studies.sweep.study import STUDY
 from studies.sweep.table import CHAINS, SweepRow, read_table, write_table
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 SCRIPT = Path(__file__).with_name("sweep_script.py")
 
 # One convolution: half a second a scene. 9 mm has no room for its fold.

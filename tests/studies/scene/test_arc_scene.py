@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from studies.__main__ import main
 from studies.results.files import read_path
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 
 
 def test_sphere_by_arc_length_and_by_volume(tmp_path: Path) -> None:

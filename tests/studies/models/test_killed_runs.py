@@ -13,7 +13,7 @@ import pytest
 
 from studies.results.files import PATH_COLUMNS, read_path, read_summary
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 LEVELS = {"axisymmetric": ("axisymmetric-r1", "axisymmetric-r2", "axisymmetric-r4"), "full3d": ("full3d-n8",)}
 
 

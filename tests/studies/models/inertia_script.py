@@ -16,7 +16,7 @@ from studies.models.build import scene_problem
 from studies.scene.files import load_bellows
 from studies.scene.meshes import scene_body, scene_meridian
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 
 
 def main() -> None:
