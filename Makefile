@@ -26,7 +26,7 @@ endif
 export OPENBLAS_NUM_THREADS
 
 # Open MPI 4 and 5 take their options from the environment: may run as root (CI), more ranks than cores is no error, and
-# ranks are not tied to a core (two runs side by side would both be tied to core 0). For children: studies/launch.py.
+# ranks are not tied to a core (two runs side by side would both be tied to core 0). For children: studies/mpi_children.py.
 ifeq ($(shell id -u),0)
 export OMPI_ALLOW_RUN_AS_ROOT := 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1

@@ -7,7 +7,6 @@ report.html, provenance, bars and the exit code are here, for all of them.
 
 from __future__ import annotations
 
-import pkgutil
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -30,30 +29,6 @@ from studies.results.rows import Row, write_rows
 REACHED, STOPPED = 0, 3
 FAULTS = (GeometryError, MeshError, SolverError, BellowsError)
 ROWS_FILE = "rows.csv"
-
-# Studies in the order of a reader's questions, and the module that has each as STUDY.
-STUDIES: Mapping[str, str] = {
-    "paper": "studies.paper.study",
-    "smoke": "studies.smoke.study",
-    "closed-form": "studies.closed_form.study",
-    "dimensions": "studies.dimensions.study",
-    "sweep": "studies.sweep.study",
-    "exact": "studies.verification.exact",
-    "verification": "studies.verification.study",
-    "stability": "studies.stability.study",
-    "modes": "studies.modes.study",
-    "branches": "studies.branches.study",
-    "imperfection": "studies.imperfection.study",
-    "contact": "studies.contact.study",
-    "vacuum": "studies.vacuum.study",
-    "cost": "studies.cost.study",
-    "peers": "studies.peers.study",
-    "error-model": "studies.cost.error_model.study",
-    "large": "studies.large.study",
-    "stacks": "studies.stacks.study",
-    "benchmark-closed-form": "studies.closed_form.speed",
-    "benchmark-solver": "studies.cost.solver_benchmark",
-}
 
 
 class Named(Protocol):
@@ -199,12 +174,6 @@ class Study(Generic[CaseT, ResultT]):
     share: Literal["each", "all", "first"] = "each"
     options: tuple[click.Parameter, ...] = ()
     prepare: Callable[[Sequence[CaseT], Setting], Sequence[str]] | None = None
-
-
-def load_study(name: str) -> Study[Any, Any]:
-    """A study by its name, such as ``closed-form``."""
-    study: Study[Any, Any] = pkgutil.resolve_name(f"{STUDIES[name]}:STUDY")
-    return study
 
 
 def run(study: Study[CaseT, ResultT], out: Path, comm: MPI.Comm, options: Mapping[str, Any]) -> int:

@@ -18,10 +18,10 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from analytical.arrays import FloatArray
-from analytical.bellows.named import path_of
-from analytical.bellows.one_by_one import elongation_by_equations_mm, error_text
+from analytical.bellows.chains_by_name import path_of
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA, actuators
 from analytical.bellows.reading import CORRECTED
+from analytical.bellows.second_route import elongation_by_equations_mm, error_text
 from analytical.exact import compressible, cube, flexure, homogeneous, ring, sphere, torsion, tube
 from analytical.laws.isotropic import Law
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30

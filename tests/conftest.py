@@ -22,7 +22,7 @@ from meshes.cells import HEXAHEDRON_NODES, QUADRILATERAL_NODES
 from meshes.meridian import Resolution, meridian_mesh
 from meshes.revolve import revolve
 from meshes.solid import TETRAHEDRON_EDGES, TRIANGLE_EDGES, SolidMesh
-from studies import launch
+from studies import mpi_children
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -45,8 +45,8 @@ def sides() -> SimpleNamespace:
 
 
 def _start(ranks: int, *arguments, **options) -> subprocess.Popen:
-    command = launch.on_ranks(ranks, *map(str, arguments))
-    environment = {**launch.environment(), "PYTHONPATH": str(ROOT)}
+    command = mpi_children.on_ranks(ranks, *map(str, arguments))
+    environment = {**mpi_children.environment(), "PYTHONPATH": str(ROOT)}
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, **options}
     return subprocess.Popen(command, cwd=ROOT, env=environment, **pipes)
 
@@ -305,7 +305,7 @@ def inflated(bellows_problem):
     """Cached path of the axisymmetric bellows to 5 and 10 kPa, solved to 1e-11."""
     from solvers.equilibrium.newton import NewtonSettings
     from solvers.paths.path import follow_path
-    from solvers.paths.records import PathSettings
+    from solvers.paths.states import PathSettings
 
     @functools.cache
     def follow(law="yeoh"):
@@ -323,7 +323,7 @@ def inflated_solid(bellows_problem, inflated):
     """The same in 3D, started from the revolved axisymmetric states; only the requested pressures."""
     from meshes.revolve import revolve_vector
     from solvers.equilibrium.newton import NewtonSettings
-    from solvers.paths.records import PathSettings
+    from solvers.paths.states import PathSettings
     from solvers.paths.warm_start import follow_guesses
     from solvers.state import State
 

@@ -25,7 +25,7 @@ import numpy as np
 from solvers.discrete.sums import dot
 from solvers.equilibrium.controls import HeldPlane
 from solvers.errors import StepFailed
-from solvers.paths.records import PathPoint
+from solvers.paths.states import PathPoint
 from solvers.problem import Problem
 from solvers.state import State
 

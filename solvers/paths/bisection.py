@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from solvers.paths.records import PathPoint
+from solvers.paths.states import PathPoint
 
 BISECTIONS = 40
 

@@ -20,7 +20,7 @@ from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
 from solvers.paths.arc import distance, plane_at, scale_of
 from solvers.paths.path import follow_path
-from solvers.paths.records import (
+from solvers.paths.states import (
     Crossing,
     Path,
     PathMemory,

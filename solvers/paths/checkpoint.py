@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
+from solvers.atomic import write_atomically
 from solvers.errors import Cause, SolverError
-from solvers.files import write_atomically
-from solvers.paths.records import Crossing, GuessMemory, PathMemory, PathPoint
+from solvers.paths.states import Crossing, GuessMemory, PathMemory, PathPoint
 from solvers.state import State
 
 _NUMBERS = [f.name for f in fields(Crossing) if f.name not in ("state", "mode")]

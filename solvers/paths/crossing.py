@@ -16,7 +16,7 @@ from solvers.linear.factor import Factor
 from solvers.linear.inverse_iteration import softest_mode
 from solvers.paths.arc import Scale, plane_at
 from solvers.paths.bisection import narrow
-from solvers.paths.records import Crossing, PathPoint, point_now
+from solvers.paths.states import Crossing, PathPoint, point_now
 from solvers.problem import Problem
 from solvers.state import State, combine
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from solvers.errors import Cause, StepFailed
-from solvers.paths.records import ControlName, Crossing, PathPoint
+from solvers.paths.states import ControlName, Crossing, PathPoint
 
 REMEDY = {
     Cause.INVERTED_CELL: "look at the shape there (a sharp corner, a fold), refine the mesh there or soften the bond's "

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
 from solvers.paths.diagnosis import failed_steps, too_large
-from solvers.paths.records import Path, PathMemory, PathSettings, PathState, Progress, point_of
+from solvers.paths.states import Path, PathMemory, PathSettings, PathState, Progress, point_of
 from solvers.paths.steps import Follower, Walk
 from solvers.problem import Problem
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from solvers.discrete.domain import FloatArray
 from solvers.paths.arc import Scale, distance
-from solvers.paths.records import ControlName, PathPoint
+from solvers.paths.states import ControlName, PathPoint
 from solvers.state import State, combine
 
 

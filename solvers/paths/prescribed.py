@@ -19,7 +19,7 @@ from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, SolverError, StepFailed
 from solvers.linear.factor import Factor
 from solvers.paths.diagnosis import REMEDY
-from solvers.paths.records import Path, PathState, record
+from solvers.paths.states import Path, PathState, record
 from solvers.problem import Problem
 
 # The whole motion is taken in steps of this share at first; a failed one is halved down to the smallest.

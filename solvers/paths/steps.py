@@ -14,7 +14,8 @@ from solvers.linear.factor import Factor
 from solvers.paths.arc import plane_at, refuse_far, refuse_jump, scale_of, volume_turns_back
 from solvers.paths.crossing import locate_crossing, lost_stability
 from solvers.paths.prediction import coordinates, extrapolate, place_of_pressure, predicted_pressure
-from solvers.paths.records import (
+from solvers.paths.rest import go_to_rest
+from solvers.paths.states import (
     ControlName,
     Crossing,
     PathMemory,
@@ -25,7 +26,6 @@ from solvers.paths.records import (
     point_of,
     record,
 )
-from solvers.paths.rest import go_to_rest
 from solvers.problem import Problem
 from solvers.state import State
 

@@ -13,7 +13,7 @@ from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
 from solvers.paths.crossing import locate_crossing, lost_stability
 from solvers.paths.diagnosis import failed_steps
-from solvers.paths.records import GuessMemory, Path, PathPoint, PathSettings, PathState, Progress, point_of, record
+from solvers.paths.states import GuessMemory, Path, PathPoint, PathSettings, PathState, Progress, point_of, record
 from solvers.problem import Problem
 from solvers.state import State, combine
 

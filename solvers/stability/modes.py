@@ -17,7 +17,7 @@ from solvers.errors import SolverError, StepFailed
 from solvers.linear.factor import Factor
 from solvers.linear.inverse_iteration import softest_mode
 from solvers.paths.bisection import narrow
-from solvers.paths.records import PathPoint, point_now
+from solvers.paths.states import PathPoint, point_now
 from solvers.problem import Problem
 from solvers.stability.harmonics import Harmonics, Shape
 from solvers.state import State, combine

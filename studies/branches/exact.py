@@ -25,7 +25,7 @@ from solvers.discrete.domain import create_domain
 from solvers.linear.factor import Factor
 from solvers.paths.branch import BranchSettings, follow_branch
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathSettings, PathState
+from solvers.paths.states import PathSettings, PathState
 from solvers.problem import Problem
 from studies.branches.findings import Findings, Point, fact, point
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from solvers.paths.records import PathState
+from solvers.paths.states import PathState
 from studies.results.rows import Row, row
 
 

@@ -14,7 +14,7 @@ from solvers.errors import SolverError
 from solvers.linear.factor import Factor
 from solvers.paths.branch import BranchSettings, follow_branch
 from solvers.paths.path import follow_path
-from solvers.paths.records import Crossing, GuessMemory, PathSettings, PathState
+from solvers.paths.states import Crossing, GuessMemory, PathSettings, PathState
 from solvers.paths.warm_start import follow_guesses
 from solvers.problem import Problem
 from solvers.state import State
@@ -22,7 +22,7 @@ from studies.branches.findings import Findings, fact, point
 from studies.models.build import revolve_state, scene_problem
 from studies.results import provenance
 from studies.scene.bellows import BellowsScene
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.meshes import scene_body, scene_meridian
 
 SCENE: Final = provenance.ROOT / "scenes" / "branches" / "short-blocked.toml"

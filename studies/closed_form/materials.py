@@ -10,7 +10,7 @@ import numpy as np
 
 from analytical.arrays import FloatArray
 from analytical.bellows import paper
-from analytical.bellows.named import STRETCH_AT_BREAK
+from analytical.bellows.chains_by_name import STRETCH_AT_BREAK
 from analytical.exact.homogeneous import MODES, Mode, nominal_stress_mpa, stress_curves
 from analytical.laws.errors import MaterialError
 from analytical.laws.isotropic import Ogden, Yeoh

@@ -13,7 +13,7 @@ from matplotlib.text import Text
 
 from analytical.arrays import FloatArray
 from analytical.bellows.chains import ClosedFormPath
-from analytical.bellows.named import CHAINS, CUTS, PRESSURES_KPA, SILICONES, path_of, printed_mm
+from analytical.bellows.chains_by_name import CHAINS, CUTS, PRESSURES_KPA, SILICONES, path_of, printed_mm
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA, PaperActuator
 from studies.closed_form.effects import Effect
 from studies.closed_form.maps import (

@@ -12,9 +12,9 @@ import numpy as np
 
 from analytical.arrays import FloatArray
 from analytical.bellows.chains import ClosedFormPath
+from analytical.bellows.chains_by_name import CHAINS, CUTS, PRESSURES_KPA, path_of, printed_mm
 from analytical.bellows.corrections import CORRECTIONS, effect_cm
 from analytical.bellows.loads import held_tip, pressure_at_elongation_kpa
-from analytical.bellows.named import CHAINS, CUTS, PRESSURES_KPA, path_of, printed_mm
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA, PaperActuator
 from analytical.bellows.reading import CORRECTED
 from studies.closed_form.effects import EFFECTS

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analytical.arrays import FloatArray
 from analytical.bellows.chains import validity_warnings
-from analytical.bellows.named import CHAINS, PRESSURES_KPA, SILICONES, STRETCH_AT_BREAK, path_of
+from analytical.bellows.chains_by_name import CHAINS, PRESSURES_KPA, SILICONES, STRETCH_AT_BREAK, path_of
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA, PaperActuator
 from analytical.bellows.reading import CORRECTED, PRINTED_READING
 from studies.closed_form.effects import Effect

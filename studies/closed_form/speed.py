@@ -17,10 +17,10 @@ import numpy as np
 import threadpoolctl
 
 from analytical.bellows.chains import closed_form
+from analytical.bellows.chains_by_name import CHAINS, SILICONES
 from analytical.bellows.dimensions import BellowsDesigns, BellowsDimensions
-from analytical.bellows.named import CHAINS, SILICONES
-from analytical.bellows.one_by_one import elongation_by_equations_mm, error_text
 from analytical.bellows.paper import LAWS, Silicone
+from analytical.bellows.second_route import elongation_by_equations_mm, error_text
 from studies.engine import Page, Setting, Solved, Study
 from studies.report.labels import model_label
 from studies.report.tables import as_text, table_of

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from analytical.bellows.named import SILICONES
+from analytical.bellows.chains_by_name import SILICONES
 from analytical.bellows.paper import PaperActuator, actuators
 from studies import two_routes
 from studies.closed_form import materials, tables

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Final
 
 from analytical.bellows.chains import closed_form
+from analytical.bellows.chains_by_name import CHAINS, CUTS, PRESSURES_KPA, SHORT, SILICONES
 from analytical.bellows.corrections import CORRECTIONS, Correction
-from analytical.bellows.named import CHAINS, CUTS, PRESSURES_KPA, SHORT, SILICONES
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA, PaperActuator
 from analytical.laws.isotropic import OGDEN_CONVENTIONS, OgdenConvention
 from analytical.laws.silicones import dragon_skin_30

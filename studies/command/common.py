@@ -16,7 +16,7 @@ from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
 from studies.planning.levels import MODELS, Model
 from studies.planning.planner import make_plan
-from studies.scene.files import Scene, load_scene
+from studies.scene.load import Scene, load_scene
 from studies.scene.sections import SceneError
 
 BAD_INPUT, STOPPED = 2, 3

@@ -103,7 +103,7 @@ def mesh(file: Path, model: Model | None, level: int, around: int, scale: float,
         if count := int((found.facet_tags == number).sum()):
             say(f"surface {name}: {count} facets")
     if out is not None:
-        from solvers.output import save_mesh
+        from solvers.vtu import save_mesh
 
         save_mesh(out, found)
         say(f"mesh: {out}")

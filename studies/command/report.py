@@ -25,12 +25,13 @@ def report(folder: Path) -> None:
 
 def write_reports(folder: Path) -> None:
     """Pages of a folder: of the paper study, of bellows, and beside them of bodies with exact answers."""
-    from studies.engine import Solved, load_study, render
+    from studies.catalogue import load_study
+    from studies.engine import Solved, render
     from studies.models.session import SCENE_FILE
     from studies.report.scene_page import report_of
     from studies.report.scene_report import SceneReport
     from studies.scene.bodies import BodyScene
-    from studies.scene.files import kept_scene
+    from studies.scene.load import kept_scene
     from studies.smoke import study as smoke
     from studies.verification import exact
 

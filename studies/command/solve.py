@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 from mpi4py import MPI
 
-from studies.command import answer
+from studies.command import solve_output
 from studies.command.common import (
     BAD_INPUT,
     FAULTS,
@@ -29,7 +29,7 @@ from studies.planning.levels import Model
 from studies.planning.plan import Plan
 from studies.planning.planner import describe, make_plan
 from studies.progress import Progress
-from studies.scene.files import Scene
+from studies.scene.load import Scene
 
 
 @click.command(epilog=examples("bellowsx plan scenes/heung-t2-ri5.toml", "bellowsx plan my.toml --model full3d"))
@@ -117,9 +117,9 @@ def solve_scene(scene: Scene, text: str, plan: Plan, out: Path, comm: MPI.Comm, 
 def _tell(result: SceneResult[Scene], as_json: bool) -> None:
     """The answers on standard output; warnings and why a run stopped on the other."""
     if as_json:
-        click.echo(answer.as_json(result))
+        click.echo(solve_output.as_json(result))
     else:
-        answer.show(result)
+        solve_output.show(result)
     for note in result.unstable:
         click.echo(f"{result.scene.name}: {note}", err=True)
     if not result.reached:

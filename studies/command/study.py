@@ -16,12 +16,12 @@ class _Studies(click.Group):
     """Every study is a command; it is imported when it is asked for, for some take half a second."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        from studies.engine import STUDIES
+        from studies.catalogue import STUDIES
 
         return list(STUDIES)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        from studies.engine import load_study
+        from studies.catalogue import load_study
 
         return command_of(load_study(cmd_name)) if cmd_name in self.list_commands(ctx) else None
 
@@ -32,7 +32,7 @@ class _Studies(click.Group):
 
 def questions() -> list[tuple[str, str]]:
     """Every study and what it asks."""
-    from studies.engine import STUDIES, load_study
+    from studies.catalogue import STUDIES, load_study
 
     return [(name, load_study(name).question) for name in STUDIES]
 

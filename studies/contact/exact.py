@@ -26,7 +26,7 @@ from solvers.discrete.domain import create_domain
 from solvers.errors import SolverError
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathSettings, PathState
+from solvers.paths.states import PathSettings, PathState
 from solvers.problem import Problem
 from studies.models.contact import DEPTH, LIMIT, REACH, SMOOTHING, STIFFNESS
 from studies.models.run_rows import work_mj

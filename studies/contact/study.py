@@ -20,12 +20,12 @@ from studies.report.labels import level_label, quantity_label
 from studies.report.numbers import number_text
 from studies.report.tables import Column, Table, pivot, pressure_of, table_of
 from studies.results import provenance
-from studies.results.files import load_state
 from studies.results.measures import find_places, largest_stretches
 from studies.results.rows import Row, row
+from studies.results.run_files import load_state
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene, Contact, at_pressures
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 
 SCENES: Final = provenance.ROOT / "scenes"
 # Actuators by their files, and pressures in kPa instead of theirs.

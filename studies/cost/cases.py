@@ -10,7 +10,7 @@ from analytical.bellows.paper import REFERENCE_FAMILY, actuators
 from studies.results import provenance
 from studies.scene.bellows import BellowsScene
 from studies.scene.bodies import BodyScene
-from studies.scene.files import load_scene
+from studies.scene.load import load_scene
 from studies.scene.text import changed_text
 
 SCENES: Final = provenance.ROOT / "scenes"

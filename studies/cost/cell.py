@@ -16,7 +16,7 @@ from mpi4py import MPI
 
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathSettings, PathState
+from solvers.paths.states import PathSettings, PathState
 from studies.cost.cases import Cell, cell_scene
 from studies.cost.measure import Measurement
 from studies.models.axisymmetric import run_axisymmetric

@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
-from studies import launch
+from studies import mpi_children
 from studies.cost.cases import COMPILED, Batch, Cell, batch_texts, cell_scene
 from studies.results import provenance
 from studies.results.kept import content_key, keep, read_kept
@@ -119,8 +119,8 @@ def _measure_once(cell: Cell, cache: Path) -> Measurement:
     """One run with a folder of compiled forms."""
     with tempfile.TemporaryDirectory(prefix="cost-") as folder:
         arguments = ("-m", "studies.cost.cell", json.dumps(asdict(cell)), "--out", folder)
-        environment = launch.environment(cell.threads) | {"XDG_CACHE_HOME": str(cache)}
-        ended = launch.run(launch.on_ranks(cell.ranks, *arguments), environment, LIMIT_S)
+        environment = mpi_children.environment(cell.threads) | {"XDG_CACHE_HOME": str(cache)}
+        ended = mpi_children.run(mpi_children.on_ranks(cell.ranks, *arguments), environment, LIMIT_S)
     if ended.code == 0 and ended.said:
         return replace(Measurement(**ended.said), wall_s=ended.wall_s, cpu_s=ended.cpu_s, others_s=ended.others_s)
     why = f"stopped after {LIMIT_S:g} s" if ended.code == -1 else ended.last_line or str(ended.code)
@@ -135,11 +135,11 @@ def measure_batch(batch: Batch) -> Measurement:
             file.write_text(text, encoding="utf-8")
         arguments = ["-m", "studies", "batch", *map(str, files), "--out", f"{name}/out", "--model", batch.model]
         arguments += ["--ranks-per-scene", str(batch.ranks_per_scene)]
-        ended = launch.run(launch.on_ranks(2, *arguments), launch.environment(), LIMIT_S)
+        ended = mpi_children.run(mpi_children.on_ranks(2, *arguments), mpi_children.environment(), LIMIT_S)
     return _costs_only(ended, "reached" if ended.code == 0 else f"failed: exit code {ended.code}")
 
 
-def _costs_only(ended: launch.Ended, status: str) -> Measurement:
+def _costs_only(ended: mpi_children.Ended, status: str) -> Measurement:
     """Of a process that tells nothing of itself."""
     no = math.nan
     return Measurement(no, no, ended.wall_s, no, ended.cpu_s, no, 0, 0, no, {}, status, ended.others_s)

@@ -12,7 +12,7 @@ from studies.cost.cases import BODIES
 from studies.cost.error_model.checks import checks_table
 from studies.cost.plots import draw_front, draw_growth
 from studies.cost.points import Point, floor_percent, front, growing, growth_of, off_front, points
-from studies.report.bars import draw_times
+from studies.report.bar_charts import draw_times
 from studies.report.numbers import count, short_time
 from studies.report.tables import table_of
 from studies.results.rows import Row

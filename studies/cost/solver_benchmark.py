@@ -18,7 +18,7 @@ from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathSettings
+from solvers.paths.states import PathSettings
 from solvers.paths.warm_start import follow_guesses
 from solvers.problem import Problem
 from solvers.state import State
@@ -28,7 +28,7 @@ from studies.report.tables import table_of
 from studies.results import provenance
 from studies.results.rows import row
 from studies.scene.bellows import BellowsScene
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.meshes import scene_body, scene_meridian
 
 REPETITIONS: Final = 5

@@ -15,7 +15,7 @@ from typing import Any, Final
 
 import click
 
-from studies import launch
+from studies import mpi_children
 from studies.cost.cases import BATCHES, CELLS, LARGE, Batch, Cell, cell_scene
 from studies.cost.measure import keep_quieter, kept_measurement, measure
 from studies.cost.page import PEER_RATIO, content
@@ -107,7 +107,7 @@ STUDY: Final = Study(
         click.Option(
             ["--minutes"],
             default=math.inf,
-            callback=launch.until(60.0),
+            callback=mpi_children.until(60.0),
             help="Start no more cells after so long; the same command goes on.",
         ),
         click.Option(["--large"], is_flag=True, help="Also the largest bodies that fit 24 GB; they take minutes each."),

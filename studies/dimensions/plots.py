@@ -15,8 +15,8 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
 from analytical.arrays import BoolArray, FloatArray
+from analytical.bellows.chains_by_name import SILICONES, printed_mm
 from analytical.bellows.fit.members import WITHIN, tip_mm
-from analytical.bellows.named import SILICONES, printed_mm
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA, PaperActuator, Silicone
 from meshes.bellows import cap_band, corner_band, wall_segments
 from studies.dimensions.fit import ACTUATORS, SET_NAMES, Fit

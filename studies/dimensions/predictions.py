@@ -10,6 +10,7 @@ import numpy as np
 
 from analytical.arrays import FloatArray
 from analytical.bellows.chains import closed_form
+from analytical.bellows.chains_by_name import PRESSURES_KPA
 from analytical.bellows.fit.masses import silicone_g
 from analytical.bellows.fit.members import (
     BALANCED_CHAIN,
@@ -22,7 +23,6 @@ from analytical.bellows.fit.members import (
     wall_stretch,
 )
 from analytical.bellows.loads import held_tip
-from analytical.bellows.named import PRESSURES_KPA
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA
 from studies.dimensions.fit import Fit
 from studies.dimensions.scenes import FITTINGS

@@ -11,9 +11,9 @@ import numpy as np
 
 from analytical.arrays import FloatArray, IntArray
 from analytical.bellows.chains import closed_form
+from analytical.bellows.chains_by_name import CHAINS, PRESSURES_KPA, printed_mm
 from analytical.bellows.fit.masses import rings_g, silicone_g
 from analytical.bellows.fit.members import ORDERS, SILICONES, wall_stretch
-from analytical.bellows.named import CHAINS, PRESSURES_KPA, printed_mm
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA, SOURCE, PaperActuator
 from studies.dimensions.fit import Fit
 from studies.dimensions.predictions import Prediction, rest_length_mm

@@ -15,7 +15,7 @@ from analytical.bellows.paper import InferredFamily, PaperActuator, actuators
 from analytical.laws.isotropic import Ogden, Yeoh
 from meshes.bellows import check_shape
 from meshes.errors import GeometryError
-from studies.results.files import write_text_atomically
+from studies.results.run_files import write_text_atomically
 from studies.scene.bellows import BellowsScene, shape_of
 
 # What every scene here has.

@@ -22,7 +22,7 @@ from studies.dimensions.rows import fit_rows, members_csv
 from studies.dimensions.scenes import FILLET_MM, SEAT_MM, write_scenes
 from studies.engine import Bar, Page, Setting, Solved, Study
 from studies.results import provenance
-from studies.results.files import write_text_atomically
+from studies.results.run_files import write_text_atomically
 
 
 def solve(steps: Steps, at: Setting) -> Fit:

@@ -9,9 +9,9 @@ from typing import Final, TypeVar
 import numpy as np
 
 from analytical.arrays import BoolArray
+from analytical.bellows.chains_by_name import CHAINS, path_of, printed_mm
 from analytical.bellows.fit.masses import mass_allowed, rings_g, silicone_g
 from analytical.bellows.fit.members import ORDERS, SILICONES, TEXT_ORDER, Members, wall_stretch
-from analytical.bellows.named import CHAINS, path_of, printed_mm
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA, PaperActuator
 from analytical.bellows.reading import CORRECTED
 from studies.dimensions.fit import ACTUATORS, SET_NAMES, ChainFit, Fit, PickedSet, RuleOnGrid, each

@@ -14,10 +14,10 @@ from studies.models.build import TipPose, tip_pose
 from studies.models.full3d import run_full3d
 from studies.planning.levels import BodyLevel
 from studies.results import provenance
-from studies.results.files import load_state
+from studies.results.run_files import load_state
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene, at_pressures, core_shift_mm
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.meshes import scene_body, scene_meridian
 
 # How far the core sat off the axis, of the wall.

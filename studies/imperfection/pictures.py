@@ -10,7 +10,7 @@ from studies.imperfection.bodies import SHARES, Actuator, Body
 from studies.report.labels import level_label
 from studies.report.pictures.bent import Bent, draw_bent
 from studies.report.style import ABOVE, BLACK, BLUE, ORANGE, VERMILION, figure_file
-from studies.results.files import load_state
+from studies.results.run_files import load_state
 from studies.scene.bellows import core_shift_mm
 from studies.scene.meshes import scene_body, scene_meridian
 

@@ -18,12 +18,12 @@ from solvers.errors import SolverError
 from solvers.linear.factor import Factor
 from solvers.linear.krylov import IterativeSolver
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathSettings
+from solvers.paths.states import PathSettings
 from studies.models.build import revolve_state, scene_problem
 from studies.results import provenance
 from studies.results.kept import keep
 from studies.scene.bellows import BellowsScene
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.meshes import scene_body, scene_meridian
 
 Method = Literal["direct", "iterative"]

@@ -14,15 +14,15 @@ from typing import Final
 
 import click
 
-from studies import launch
+from studies import mpi_children
 from studies.engine import Page, Setting, Solved, Study
 from studies.large.cases import Point, cases
 from studies.large.fits import power_law
 from studies.large.measure import Measured
 from studies.large.tables import crossings, draw, fits_table, points_table, rows_of, scaling_table
 from studies.results import provenance
-from studies.results.files import write_text_atomically
 from studies.results.kept import content_key, read_kept
+from studies.results.run_files import write_text_atomically
 
 # A point is not tried if its memory, from a fit through those before, is above this share of the machine's.
 MEMORY_SHARE: Final = 0.7
@@ -80,8 +80,8 @@ def measure_in_child(point: Point, file: Path, key: str) -> str:
     scene, size = provenance.ROOT / "scenes" / f"{point.size.scene}.toml", point.size
     arguments = (str(scene), str(size.around), str(size.refinement), point.method, str(file), key)
     limit_s = max(60.0, point.until_s - time.perf_counter())
-    command = launch.on_ranks(point.ranks, "-m", "studies.large.measure", *arguments)
-    ended = launch.run(command, launch.environment(), limit_s)
+    command = mpi_children.on_ranks(point.ranks, "-m", "studies.large.measure", *arguments)
+    ended = mpi_children.run(command, mpi_children.environment(), limit_s)
     if read_kept(file, key, Measured) is not None:
         return ""
     if ended.wall_s > limit_s:

@@ -9,13 +9,13 @@ from mpi4py import MPI
 
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathMemory, PathSettings
+from solvers.paths.states import PathMemory, PathSettings
 from studies.models.build import Tip, masses_g, scene_problem
 from studies.models.contact import MODELLED, ContactWatch
 from studies.models.modes import COUNTED_LEVELS, with_modes
 from studies.models.run_log import Log, begin, on_first_rank, path_row
 from studies.progress import Progress
-from studies.results.files import load_state
+from studies.results.run_files import load_state
 from studies.results.runs import Run, finished_run, run_hash
 from studies.scene.bellows import BellowsScene, without_eccentricity
 from studies.scene.meshes import scene_meridian

@@ -19,13 +19,13 @@ from solvers.errors import Cause
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
 from solvers.paths.prescribed import follow_motion
-from solvers.paths.records import Path as EquilibriumPath
-from solvers.paths.records import PathMemory, PathPoint, PathSettings, PathState
+from solvers.paths.states import Path as EquilibriumPath
+from solvers.paths.states import PathMemory, PathPoint, PathSettings, PathState
 from solvers.state import State
 from studies.models.body_problem import Body, body_of, enclosed_mm3, measures, problem_of
 from studies.models.run_log import Log, begin, on_first_rank, path_row, without_fields, write_fields
 from studies.progress import Progress
-from studies.results.files import PathRow, load_state
+from studies.results.run_files import PathRow, load_state
 from studies.results.runs import MEASURED_FILE, Run, finished_run, run_hash, write_measured
 from studies.scene.bodies import LIMIT_VOLUME, BodyScene
 from studies.scene.body_geometry import CylinderGeometry

@@ -15,7 +15,7 @@ from analytical.bellows.chains import closed_form
 from analytical.bellows.loads import held_tip
 from studies.models.build import masses_g
 from studies.results import provenance
-from studies.results.files import PathRow, RunSummary, write_path, write_summary
+from studies.results.run_files import PathRow, RunSummary, write_path, write_summary
 from studies.results.runs import Run, run_hash
 from studies.scene.bellows import BellowsScene, dimensions_of
 from studies.scene.materials import law_of

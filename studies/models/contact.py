@@ -18,12 +18,12 @@ from meshes.surface import boundary_edges
 from solvers.contact.contact import Contact
 from solvers.contact.obstacles import RoundedBox
 from solvers.contact.pairs import Against, ContactSettings, Facing, Line, PairReport, Stop, gauss_points
-from solvers.paths.records import PathState
+from solvers.paths.states import PathState
 from solvers.problem import Problem
 from solvers.state import State
 from studies.models.gaps import GapMeter, Touch
-from studies.results.files import PathRow
-from studies.results.records import read_lines, write_lines
+from studies.results.csv_files import read_lines, write_lines
+from studies.results.run_files import PathRow
 from studies.scene.bellows import BellowsScene, shape_of
 from studies.scene.materials import law_of
 

@@ -14,8 +14,8 @@ from meshes.solid import SolidMesh
 from solvers.errors import Cause
 from solvers.linear.factor import Factor
 from solvers.linear.krylov import IterativeSolver
-from solvers.paths.records import GuessMemory, PathSettings
-from solvers.paths.records import Path as EquilibriumPath
+from solvers.paths.states import GuessMemory, PathSettings
+from solvers.paths.states import Path as EquilibriumPath
 from solvers.paths.warm_start import follow_guesses
 from solvers.state import State
 from studies.models.build import Tip, masses_g, revolve_state, scene_problem
@@ -23,7 +23,7 @@ from studies.models.gaps import GapMeter
 from studies.models.run_log import Log, begin, path_row, without_fields, write_fields
 from studies.planning.levels import BodyLevel
 from studies.progress import Progress
-from studies.results.files import load_state
+from studies.results.run_files import load_state
 from studies.results.runs import Run, finished_run, run_hash
 from studies.scene.bellows import BellowsScene, core_shift_mm
 from studies.scene.meshes import SECTORS, scene_body, scene_meridian

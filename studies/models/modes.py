@@ -20,18 +20,18 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
+from solvers.atomic import write_atomically
 from solvers.equilibrium.forces import end_force
 from solvers.errors import SolverError, StepFailed
-from solvers.files import write_atomically
 from solvers.linear.factor import Factor
-from solvers.paths.records import PathPoint
+from solvers.paths.states import PathPoint
 from solvers.problem import Problem
 from solvers.stability.harmonics import Shape
 from solvers.stability.modes import WAVES, ModeCounter, ModeCrossing, mode_crossings
 from solvers.state import State
 from studies.models.build import Tip, scene_problem
 from studies.models.contact import MODELLED, may_touch
-from studies.results.files import PathRow, load_state, write_path, write_summary, write_text_atomically
+from studies.results.run_files import PathRow, load_state, write_path, write_summary, write_text_atomically
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene
 from studies.scene.meshes import scene_meridian

@@ -20,7 +20,7 @@ from studies.progress import Progress
 from studies.results.runs import Run
 from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import TubeGeometry
-from studies.scene.files import Scene
+from studies.scene.load import Scene
 from studies.scene.meshes import scene_meridian
 from studies.scene.sections import SceneError
 

@@ -21,17 +21,17 @@ from meshes.quality import mesh_quality
 from meshes.solid import SolidMesh
 from solvers.errors import SolverError
 from solvers.linear.factor import Factor
-from solvers.output import write_mode, write_vtu
 from solvers.paths.checkpoint import CheckpointError, read_checkpoint, write_checkpoint
-from solvers.paths.records import Crossing, GuessMemory, PathMemory, PathState
-from solvers.paths.records import Path as EquilibriumPath
+from solvers.paths.states import Crossing, GuessMemory, PathMemory, PathState
+from solvers.paths.states import Path as EquilibriumPath
 from solvers.problem import Problem
+from solvers.vtu import write_mode, write_vtu
 from studies.models.build import Tip
 from studies.models.contact import ContactWatch
 from studies.models.gaps import GapMeter, Touch
 from studies.progress import Progress
 from studies.results import provenance
-from studies.results.files import (
+from studies.results.run_files import (
     PathRow,
     RunSummary,
     field_file,
@@ -42,7 +42,7 @@ from studies.results.files import (
     write_summary,
 )
 from studies.results.runs import Run, run_hash
-from studies.scene.files import Scene
+from studies.scene.load import Scene
 
 CHECKPOINT_FILE, MODE_FILE = "checkpoint.npz", "critical_mode"
 # Begins the note on first touch.

@@ -25,12 +25,12 @@ from studies.planning.planner import make_plan
 from studies.progress import Progress
 from studies.results.bellows_rows import bellows_rows
 from studies.results.expectations import expectation_rows, sentence
-from studies.results.files import PATH_FILE, SUMMARY_FILE
 from studies.results.rows import Row, write_rows
+from studies.results.run_files import PATH_FILE, SUMMARY_FILE
 from studies.results.runs import MERIDIAN_ORDER, Run, of_model, read_run, run_hash, tip_at, tip_convergence
 from studies.scene.bellows import BellowsScene
 from studies.scene.bodies import BodyScene
-from studies.scene.files import Scene
+from studies.scene.load import Scene
 
 # What solves simple bodies is imported with the first of them: with the exact solutions it takes a tenth of a second.
 

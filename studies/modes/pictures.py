@@ -9,9 +9,9 @@ import numpy as np
 
 from meshes.revolve import revolve_scalar, revolve_vector
 from meshes.solid import FloatArray, SolidMesh
-from solvers.output import write_vtu
 from solvers.stability.harmonics import Shape
 from solvers.state import State, pressure_at_corners
+from solvers.vtu import write_vtu
 from studies.models.modes import FoundCrossing, read_shape
 from studies.models.modes_model import ModesModel
 from studies.report.pictures.child import draw_states

@@ -19,7 +19,7 @@ from solvers.assembly.surfaces import SOFT, Surfaces
 from solvers.discrete.domain import create_domain
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathSettings, point_of
+from solvers.paths.states import PathSettings, point_of
 from solvers.problem import Problem
 from solvers.stability.modes import ModeCounter, mode_crossings
 from studies.results.rows import Row, row

@@ -21,7 +21,7 @@ from studies.modes.tables import bodies_table, caption, counts_table, crossings_
 from studies.report.labels import level_label
 from studies.results import provenance
 from studies.results.rows import Row
-from studies.scene.files import load_scene
+from studies.scene.load import load_scene
 
 SCENES: Final = provenance.ROOT / "scenes"
 # The paper's four actuators, two of them with their tips held, a shorter one, and a clamped tube.

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from analytical.bellows.named import SILICONES
+from analytical.bellows.chains_by_name import SILICONES
 from analytical.bellows.paper import PaperActuator
 from studies.paper.cases import HIGHEST_KPA, PRESSURES_KPA, REFERENCE, REFERENCE_SCENES
 from studies.paper.results import CaseResult, PaperResults, is_known, means_something, modes

@@ -15,7 +15,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analytical.bellows.named import SILICONES
+from analytical.bellows.chains_by_name import SILICONES
 from studies.paper.cases import REFERENCE_SCENES, SETS, THICK
 from studies.paper.errors import PRINTED
 from studies.paper.results import CaseResult, PaperResults

@@ -16,7 +16,7 @@ from studies.report.pictures import bodies, half_sections, outside, roots
 from studies.report.pictures.child import draw_side_by_side, draw_states
 from studies.report.pictures.stills import Still
 from studies.report.scene_page import ring_boxes
-from studies.results.files import field_files
+from studies.results.run_files import field_files
 
 # The actuator and the pressure (kPa) of the view of the paper's Figure 4B; which one that shows is not printed.
 FIGURE_4B: Final = (REFERENCE_SCENES[0], 10.0)

@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
-from analytical.bellows.named import SILICONES, STRETCH_AT_BREAK
+from analytical.bellows.chains_by_name import SILICONES, STRETCH_AT_BREAK
 from studies.paper.cases import HIGHEST_KPA, REFERENCE_SCENES, RING_VARIANTS
 from studies.paper.panels import (
     SCALE,

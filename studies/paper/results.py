@@ -19,12 +19,12 @@ from studies.paper.cases import HIGHEST_KPA, Case, Group, cases
 from studies.report.labels import TIP
 from studies.report.numbers import MISSING
 from studies.results import measured_rows, measures, runs, uncertainty
-from studies.results.files import RunSummary
 from studies.results.kept import content_key, kept
 from studies.results.rows import FOLDED_BACK, Row, row
+from studies.results.run_files import RunSummary
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 
 # Modules that decide what is measured in the states of a run, beside the code that the run is keyed by.
 _MEASURING: Final = (measures, measured_rows, chains, loads, runs, uncertainty)

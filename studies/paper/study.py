@@ -20,7 +20,7 @@ from studies.models.axisymmetric import run_axisymmetric
 from studies.models.full3d import run_full3d
 from studies.models.session import SCENE_FILE, run_plan
 from studies.paper import bonds, errors, times, variants
-from studies.paper.bars import bars, misses
+from studies.paper.acceptance import bars, misses
 from studies.paper.cases import AUDIT_BODY_LEVEL, PARTS, Case, Group, case_text
 from studies.paper.cases import cases as all_cases
 from studies.paper.claims import claims
@@ -35,7 +35,7 @@ from studies.report.scene_report import SceneReport
 from studies.report.tables import Table, facts_table
 from studies.results.runs import finished_run, run_hash
 from studies.scene.bellows import BellowsScene
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 
 # Cells round the four actuators' bodies: they leave 0.05 % at most there (docs/decisions.md), less than the error model
 # takes for any bellows.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from studies.paper.bars import main_bars
+from studies.paper.acceptance import main_bars
 from studies.paper.bonds import BONDED_PERCENT, verdicts
 from studies.paper.cases import HIGHEST_KPA, PRESSURES_KPA, REFERENCE, REFERENCE_SCENES, RING_VARIANTS, SETS, THICK
 from studies.paper.claims import Claim

@@ -13,7 +13,7 @@ from studies.report.labels import level_label, model_label
 from studies.report.numbers import MISSING, count, short_time
 from studies.report.scene_tables import times_of, work_of
 from studies.report.tables import Table, table_of
-from studies.results.files import RunSummary
+from studies.results.run_files import RunSummary
 
 TETS: Final = "full 3D, tetrahedra"
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Final
 
-from analytical.bellows.named import SILICONES, STRETCH_AT_BREAK
+from analytical.bellows.chains_by_name import SILICONES, STRETCH_AT_BREAK
 from analytical.bellows.paper import PRINTED, PaperActuator
 from studies.paper.cases import (
     HIGHEST_KPA,

@@ -10,7 +10,7 @@ from typing import Any, Final
 from studies.peers.exchange import Cells, Level
 from studies.results import provenance
 from studies.scene.bellows import BellowsScene
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 
 SCENE: Final = provenance.ROOT / "scenes" / "peers" / "bellows.toml"
 SCRIPTS: Final = provenance.ROOT / "studies" / "peers"

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from studies import launch
+from studies import mpi_children
 from studies.peers import environment
 from studies.peers.cases import OURS, SCENE, SCRIPTS, Attempt, peer_scene, script_of
 from studies.peers.exchange import Level, write_peer_mesh
@@ -110,12 +110,12 @@ def measure_ours(attempt: Attempt, limit_s: float) -> Measurement:
         return _measurement(scene, ended, _result(out) if ended.code == 0 else _nothing(ended))
 
 
-def _run_ours(scene: Path, out: Path, options: Mapping[str, Any], limit_s: float) -> launch.Ended:
+def _run_ours(scene: Path, out: Path, options: Mapping[str, Any], limit_s: float) -> mpi_children.Ended:
     """Solve a scene as a user does."""
     arguments = ["-m", "studies", "solve", str(scene), "--out", str(out)]
     arguments += ["--model", options["model"]] if options["model"] else []
     ranks: int = options["ranks"]
-    return launch.run(launch.on_ranks(ranks, *arguments), _environment(2 // ranks), limit_s)
+    return mpi_children.run(mpi_children.on_ranks(ranks, *arguments), _environment(2 // ranks), limit_s)
 
 
 def _result(out: Path) -> dict[str, Any]:
@@ -126,7 +126,7 @@ def _result(out: Path) -> dict[str, Any]:
     return {"tip_mm": float(last["tip_mm"]), "dofs": summary["dofs"], "peak_mb": summary["peak_mb"], "reason": ""}
 
 
-def _nothing(ended: launch.Ended) -> dict[str, Any]:
+def _nothing(ended: mpi_children.Ended) -> dict[str, Any]:
     """Of a run that said nothing, why, with the last line it wrote."""
     why = f"exit {ended.code}: {ended.last_line[:200]}"
     if ended.code == -1:
@@ -134,7 +134,7 @@ def _nothing(ended: launch.Ended) -> dict[str, Any]:
     return {"tip_mm": math.nan, "dofs": 0, "peak_mb": math.nan, "reason": why}
 
 
-def _measurement(written: Path, ended: launch.Ended, said: Mapping[str, Any]) -> Measurement:
+def _measurement(written: Path, ended: mpi_children.Ended, said: Mapping[str, Any]) -> Measurement:
     """Of a run that has ended, and what it said of itself."""
     return Measurement(
         tip_mm=said["tip_mm"],
@@ -147,11 +147,11 @@ def _measurement(written: Path, ended: launch.Ended, said: Mapping[str, Any]) ->
     )
 
 
-def _run_peer(code: str, level: Level, options: Mapping[str, Any], meshes: Path, limit_s: float) -> launch.Ended:
+def _run_peer(code: str, level: Level, options: Mapping[str, Any], meshes: Path, limit_s: float) -> mpi_children.Ended:
     """Write a mesh and run a peer on it."""
     mesh = meshes / f"{level.name}.npz"
     write_peer_mesh(peer_scene(), level, mesh)
-    return launch.run(*peer_command(code, mesh.absolute(), options), limit_s)
+    return mpi_children.run(*peer_command(code, mesh.absolute(), options), limit_s)
 
 
 def peer_command(code: str, mesh: Path, options: Mapping[str, Any]) -> tuple[list[str], dict[str, str]]:
@@ -161,14 +161,14 @@ def peer_command(code: str, mesh: Path, options: Mapping[str, Any]) -> tuple[lis
         variables = _environment(1)
         if code.endswith("default_blas"):
             variables["LD_LIBRARY_PATH"] = str(environment.reference_blas())
-        return launch.on_ranks(2, "-m", "studies.peers.dolfinx_tutorial", *arguments), variables
+        return mpi_children.on_ranks(2, "-m", "studies.peers.dolfinx_tutorial", *arguments), variables
     python = sys.executable if code == "calculix" else str(environment.peers_python())
     return [python, str(script_of(code)), *arguments], _environment(2)
 
 
 def _environment(threads: int) -> dict[str, str]:
     """Environment of a child with so many threads."""
-    return {**launch.environment(threads), "OMP_NUM_THREADS": str(threads)}
+    return {**mpi_children.environment(threads), "OMP_NUM_THREADS": str(threads)}
 
 
 def lines_to_write(path: Path) -> int:

@@ -15,7 +15,7 @@ from typing import Any, Final
 import click
 from mpi4py import MPI
 
-from studies import launch
+from studies import mpi_children
 from studies.engine import Page, Setting, Solved, Study
 from studies.models.axisymmetric import run_axisymmetric
 from studies.peers import environment
@@ -142,7 +142,7 @@ STUDY: Final = Study(
         click.Option(
             ["--budget"],
             default=math.inf,
-            callback=launch.until(1.0),
+            callback=mpi_children.until(1.0),
             help="Start no new run after so many seconds; what is kept is still shown.",
         ),
     ),

@@ -9,7 +9,7 @@ from studies.planning.levels import Model
 from studies.planning.plan import Plan
 from studies.scene.bellows import BellowsScene
 from studies.scene.bodies import BodyScene
-from studies.scene.files import Scene
+from studies.scene.load import Scene
 
 
 def make_plan(scene: Scene, model: Model | None = None) -> Plan:

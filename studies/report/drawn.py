@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from types import ModuleType
 
-from solvers.files import write_atomically
+from solvers.atomic import write_atomically
 
 _NAME = b"bellowsx key"
 # A PNG's signature and its first chunk, IHDR; others may follow directly.

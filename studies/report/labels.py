@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 
-from studies.results.files import RunSummary
+from studies.results.run_files import RunSummary
 
 TIP, TIP_FORCE = "tip_mm", "tip_force_n"
 

@@ -11,7 +11,7 @@ from typing import Any
 import markdown
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from studies.results.files import write_text_atomically
+from studies.results.run_files import write_text_atomically
 
 _OWN = Path(__file__).parent / "templates"
 # What all pages share, and a folder per study.

@@ -13,10 +13,10 @@ from studies.report.labels import counted_along
 from studies.report.pictures.stills import RingBox
 from studies.report.scene_report import SceneReport
 from studies.results.closed_form_rows import validity_notes
-from studies.results.files import field_files, load_state
 from studies.results.rows import read_rows
+from studies.results.run_files import field_files, load_state
 from studies.scene.bellows import BellowsScene, shape_of
-from studies.scene.files import Scene, kept_scene
+from studies.scene.load import Scene, kept_scene
 
 
 def _read_result(folder: Path) -> SceneResult[Scene]:

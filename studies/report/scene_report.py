@@ -10,8 +10,8 @@ from pathlib import Path
 from studies.planning.levels import ranking
 from studies.report.labels import TIP, TIP_FORCE, ordered, run_label, split_key
 from studies.report.pictures.stills import RingBox
-from studies.results.files import PathRow, RunSummary
 from studies.results.rows import Row
+from studies.results.run_files import PathRow, RunSummary
 
 
 @dataclass(frozen=True)

@@ -32,8 +32,8 @@ from studies.report.scene_report import (
     unit_of,
 )
 from studies.report.tables import Table
-from studies.results.files import PathRow, RunSummary
 from studies.results.rows import REACHED, Row, difference_percent, is_reached
+from studies.results.run_files import PathRow, RunSummary
 
 # What the others are compared with: the first of these that reached the pressure.
 REFERENCES = ("full3d", "axisymmetric")

@@ -11,7 +11,7 @@ from urllib.parse import quote
 
 from studies.planning.levels import ranking
 from studies.report import scene_tables
-from studies.report.bars import draw_overview, draw_times
+from studies.report.bar_charts import draw_overview, draw_times
 from studies.report.curves import Curve, draw_elongation
 from studies.report.labels import TIP, TIP_FORCE, level_label, model_label, ordered, runs_label, split_key
 from studies.report.numbers import duration, is_printed, rounded_up, short_status
@@ -30,8 +30,8 @@ from studies.report.scene_report import (
 )
 from studies.report.scene_tables import REFERENCES
 from studies.report.tables import facts_table
-from studies.results.files import PATH_FILE, RunSummary, write_path
 from studies.results.rows import difference_percent, is_reached
+from studies.results.run_files import PATH_FILE, RunSummary, write_path
 
 
 def content(folder: Path, scenes: Sequence[SceneReport]) -> dict[str, Any]:

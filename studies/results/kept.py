@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
-from studies.results.files import write_text_atomically
+from studies.results.run_files import write_text_atomically
 
 Value = TypeVar("Value")
 

@@ -13,9 +13,9 @@ from analytical.bellows.chains import closed_form
 from analytical.bellows.dimensions import BellowsError
 from analytical.bellows.loads import held_tip
 from studies.planning.levels import fineness
-from studies.results.files import load_state
 from studies.results.measures import UNITS, Measured, find_places, measure
 from studies.results.rows import Row, row
+from studies.results.run_files import load_state
 from studies.results.runs import MERIDIAN_ORDER, Run, run_convergence
 from studies.scene.bellows import BellowsScene, dimensions_of
 from studies.scene.materials import law_of

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-from studies.results.records import read_records, write_records
+from studies.results.csv_files import read_records, write_records
 
 REACHED = "reached"
 # Of the printed closed form: the root has outgrown the crest, the number means nothing.

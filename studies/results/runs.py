@@ -11,13 +11,13 @@ from pathlib import Path
 
 from studies.planning.levels import fineness
 from studies.results import provenance
-from studies.results.files import PathRow, RunSummary, read_path, read_summary, write_text_atomically
 from studies.results.rows import REACHED, Row, row
+from studies.results.run_files import PathRow, RunSummary, read_path, read_summary, write_text_atomically
 from studies.results.uncertainty import UNKNOWN, Convergence, convergence, from_two
 from studies.scene.bellows import TipQuantity, without_eccentricity
 from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import MeshGeometry
-from studies.scene.files import Scene
+from studies.scene.load import Scene
 
 MEASURED_FILE = "measured.json"
 # Order to expect of the tip displacement. In the meridian, quadratic elements would give more than 2 for a smooth

@@ -28,7 +28,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from studies.scene.bellows import BellowsScene
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.sections import SceneError, Section, read_toml, validated
 from studies.scene.text import changed_text
 

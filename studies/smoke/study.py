@@ -14,7 +14,7 @@ from studies.report.scene_report import SceneReport
 from studies.report.scenes import content, verdict
 from studies.results import provenance
 from studies.scene.bellows import BellowsScene
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 
 SCENE: Final = provenance.ROOT / "scenes" / "smoke-t2-ri5.toml"
 

@@ -27,7 +27,7 @@ from solvers.state import State, pressure_at_corners
 from studies.models.build import Tip, scene_problem
 from studies.results import provenance
 from studies.scene.bellows import BellowsScene, shape_of
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.materials import inverse_kappa, law_of
 from studies.scene.meshes import scene_meridian
 from studies.scene.sections import SceneError

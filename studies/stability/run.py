@@ -16,9 +16,9 @@ from pathlib import Path
 
 from mpi4py import MPI
 
+from solvers.atomic import write_atomically
 from solvers.errors import StepFailed
-from solvers.files import write_atomically
-from studies import launch
+from studies import mpi_children
 from studies.results.kept import keep, read_kept
 from studies.stability.bodies import pose
 from studies.stability.cells import Cell
@@ -77,9 +77,9 @@ def run_in_child(jobs: Sequence[Job], ranks: int, threads: int, folder: Path) ->
         return
     order = folder / f"ranks-{ranks}-{threads}.pickle"
     write_atomically(order, pickle.dumps(missing))
-    command = launch.on_ranks(ranks, "-m", __name__, str(order))
+    command = mpi_children.on_ranks(ranks, "-m", __name__, str(order))
     try:
-        ended = launch.run(command, launch.environment(threads), LIMIT_S)
+        ended = mpi_children.run(command, mpi_children.environment(threads), LIMIT_S)
         why = f"exit {ended.code} after {ended.wall_s:.0f} s: {ended.error[-300:]}"
     except OSError as error:  # no mpirun
         why = str(error)

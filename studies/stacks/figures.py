@@ -17,10 +17,10 @@ from pathlib import Path
 
 import click
 
-from studies import launch
+from studies import mpi_children
 from studies.results import provenance
-from studies.results.files import read_summary, write_text_atomically
 from studies.results.rows import read_rows, write_rows
+from studies.results.run_files import read_summary, write_text_atomically
 
 RANKS = 2
 INERTIA = provenance.ROOT / "tests" / "studies" / "models" / "inertia_script.py"
@@ -96,19 +96,19 @@ def _cold_and_warm(out: Path, name: str, *options: str) -> tuple[float, float]:
 
 def _run(out: Path, name: str, *options: str) -> float:
     """Run a study on two ranks into a folder of its name; wall time, s."""
-    command = launch.on_ranks(RANKS, "-m", "studies", "study", name, "--out", str(out / name), *options)
+    command = mpi_children.on_ranks(RANKS, "-m", "studies", "study", name, "--out", str(out / name), *options)
     wall_s = _ended(out, command).wall_s
     click.echo(f"{name}: {wall_s:.0f} s")
     return wall_s
 
 
 def _modes(out: Path, ranks: int) -> list[int]:
-    return list(json.loads(_ended(out, launch.on_ranks(ranks, str(INERTIA))).out.splitlines()[-1])["modes"])
+    return list(json.loads(_ended(out, mpi_children.on_ranks(ranks, str(INERTIA))).out.splitlines()[-1])["modes"])
 
 
-def _ended(out: Path, command: Sequence[str]) -> launch.Ended:
+def _ended(out: Path, command: Sequence[str]) -> mpi_children.Ended:
     """Run a command with a folder of compiled forms that starts empty; a failure ends this process too."""
-    ended = launch.run(command, {**launch.environment(), "XDG_CACHE_HOME": str(out / "cache")}, math.inf)
+    ended = mpi_children.run(command, {**mpi_children.environment(), "XDG_CACHE_HOME": str(out / "cache")}, math.inf)
     if ended.code:
         sys.exit(f"{ended.error}\nended with {ended.code}: {' '.join(command)}")
     return ended

@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Final, TypeVar
 
 from analytical.bellows import paper
-from analytical.bellows.named import SILICONES
+from analytical.bellows.chains_by_name import SILICONES
 from studies.results import provenance
 from studies.scene.bellows import dimensions_of
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
+from studies.sweep.csv_table import CHAINS, SweepRow
 from studies.sweep.rules import LIMIT_PERCENT, Point
-from studies.sweep.table import CHAINS, SweepRow
 
 SWEEP_FILE: Final = provenance.ROOT / "sweeps" / "heung-map.toml"
 BASE: Final = provenance.ROOT / "scenes" / "heung-t1-ri5.toml"

@@ -25,11 +25,11 @@ from studies.models.session import run_plan
 from studies.planning.planner import make_plan
 from studies.progress import Progress
 from studies.results import provenance
-from studies.results.files import write_text_atomically
 from studies.results.rows import REACHED
+from studies.results.run_files import write_text_atomically
 from studies.results.runs import finished_run
 from studies.scene.sweep import Variant, read_sweep
-from studies.sweep.table import FAILED, REFUSED, SweepRow, refused_rows, solved_rows, value_text, write_table
+from studies.sweep.csv_table import FAILED, REFUSED, SweepRow, refused_rows, solved_rows, value_text, write_table
 
 TABLE_FILE, OUTCOME_FILE, SCENES_FOLDER = "sweep.csv", "sweep.json", "scenes"
 # Scenes that wait at another rank, so that it goes on while this one is in the middle of its own.

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from analytical.arrays import FloatArray
-from studies.sweep.table import Chain
+from studies.sweep.csv_table import Chain
 
 LIMIT_PERCENT: Final = 10.0
 # Factors and load numbers that a designer can remember.

@@ -10,14 +10,15 @@ from typing import Any, Final
 import numpy as np
 
 from analytical.arrays import FloatArray
-from analytical.bellows.named import SILICONES
+from analytical.bellows.chains_by_name import SILICONES
 from studies.engine import Page, Setting, Solved, Study
 from studies.report.labels import model_label
 from studies.report.numbers import duration, signed, up
 from studies.results.rows import REACHED
 from studies.scene.bellows import dimensions_of
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.sweep import tables, words
+from studies.sweep.csv_table import CHAINS, SweepRow, comparison_rows, read_table
 from studies.sweep.designs import (
     BASE,
     COUNT_KEY,
@@ -33,7 +34,6 @@ from studies.sweep.designs import (
 from studies.sweep.farm import TABLE_FILE, SweepOutcome, run_sweep
 from studies.sweep.plots import Kind, MapPanel, draw_design_maps
 from studies.sweep.rules import LIMIT_PERCENT
-from studies.sweep.table import CHAINS, SweepRow, comparison_rows, read_table
 
 
 def cases(options: Mapping[str, Any]) -> list[Path]:

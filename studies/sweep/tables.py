@@ -6,10 +6,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from analytical.bellows.named import SILICONES
+from analytical.bellows.chains_by_name import SILICONES
 from studies.report.labels import model_label
 from studies.report.numbers import MISSING, signed
 from studies.report.tables import Table, table_of
+from studies.sweep.csv_table import CHAINS, REFUSED, SweepRow
 from studies.sweep.designs import (
     convolutions,
     folding,
@@ -20,7 +21,6 @@ from studies.sweep.designs import (
     silicone_name,
 )
 from studies.sweep.rules import LIMIT_PERCENT, Point, Rule, across, one_factor, two_factors
-from studies.sweep.table import CHAINS, REFUSED, SweepRow
 
 
 def shares(rows: Sequence[SweepRow]) -> Table:

@@ -10,9 +10,9 @@ import numpy as np
 from studies.report.labels import model_label
 from studies.report.numbers import signed
 from studies.results.rows import REACHED
+from studies.sweep.csv_table import REFUSED, SweepRow
 from studies.sweep.designs import MAP_COUNT, WALL_KEY, convolutions, grouped, is_off, root_and_wall, silicone
 from studies.sweep.rules import LIMIT_PERCENT, Point, Rule
-from studies.sweep.table import REFUSED, SweepRow
 
 
 def trusted(rows: Sequence[SweepRow]) -> str:

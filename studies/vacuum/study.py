@@ -20,7 +20,7 @@ from studies.results import provenance
 from studies.results.rows import Row
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 
 QUANTITIES: Final = ("tip_mm", "volume_mm3", "min_gap_mm", "contact_force_n", "unstable_modes", "min_det_f")
 

@@ -22,7 +22,7 @@ from studies.results.body_rows import OF_PATHS
 from studies.results.exact_answers import exact_bore_mm, exact_crossing_kpa
 from studies.results.rows import REACHED, Row
 from studies.scene.bodies import BodyScene
-from studies.scene.files import load_scene
+from studies.scene.load import load_scene
 from studies.verification.plots import Points, draw_against_exact
 
 SCENES: Final = provenance.ROOT / "scenes" / "exact"

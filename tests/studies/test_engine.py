@@ -14,8 +14,9 @@ from click.testing import CliRunner
 from mpi4py import MPI
 
 from solvers.errors import SolverError
+from studies.catalogue import STUDIES, load_study
 from studies.command.study import command_of, study
-from studies.engine import STUDIES, Bar, Page, Setting, Solved, Study, load_study, run
+from studies.engine import Bar, Page, Setting, Solved, Study, run
 from studies.results.kept import content_key, keep, kept, read_kept
 from studies.results.rows import read_rows, row
 from studies.scene.sections import SceneError

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from meshes.by_gmsh import child
-from studies import launch
+from studies import mpi_children
 
 
 @pytest.mark.parametrize(
@@ -20,22 +20,22 @@ from studies import launch
 def test_what_makes_a_rank_stays_behind(monkeypatch, name: str) -> None:
     monkeypatch.setenv(name, "0")
     monkeypatch.setenv("KEPT", "yes")
-    for environment in (child.environment(), launch.environment()):
+    for environment in (child.environment(), mpi_children.environment()):
         assert name not in environment and environment["KEPT"] == "yes"
 
 
 def test_threads_and_launcher(monkeypatch, tmp_path: Path) -> None:
-    assert launch.environment(3)["OPENBLAS_NUM_THREADS"] == "3"
-    assert launch.on_ranks(1, "-m", "x") == [sys.executable, "-m", "x"]
+    assert mpi_children.environment(3)["OPENBLAS_NUM_THREADS"] == "3"
+    assert mpi_children.on_ranks(1, "-m", "x") == [sys.executable, "-m", "x"]
     own = tmp_path / "mpirun"
     own.write_text("#!/bin/sh\n", encoding="utf-8")
     own.chmod(0o755)
     monkeypatch.setenv("MPIRUN", str(own))
-    assert launch.on_ranks(2, "a") == [str(own), "-n", "2", sys.executable, "a"]
+    assert mpi_children.on_ranks(2, "a") == [str(own), "-n", "2", sys.executable, "a"]
     # beside this Python is the launcher of the MPI that it was compiled with
     monkeypatch.delenv("MPIRUN")
     monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
-    assert launch.launcher() == str(own)
+    assert mpi_children.launcher() == str(own)
 
 
 def test_two_ranks_know_each_other(python) -> None:
@@ -44,21 +44,21 @@ def test_two_ranks_know_each_other(python) -> None:
 
 
 def test_a_run_over_its_limit_is_stopped_with_its_children() -> None:
-    ended = launch.run(["sh", "-c", "sleep 60 & sleep 60"], {}, 0.5)
+    ended = mpi_children.run(["sh", "-c", "sleep 60 & sleep 60"], {}, 0.5)
     assert ended.code == -1 and ended.wall_s < 15.0
 
 
 def test_what_a_child_said_last() -> None:
-    ended = launch.run(["sh", "-c", "echo noise; echo '{\"tip_mm\": 1}'; echo '{done'; echo no >&2"], {}, 10.0)
+    ended = mpi_children.run(["sh", "-c", "echo noise; echo '{\"tip_mm\": 1}'; echo '{done'; echo no >&2"], {}, 10.0)
     assert ended.code == 0 and ended.said == {"tip_mm": 1} and ended.last_line == "no"
-    ended = launch.run(["sh", "-c", "echo nothing"], {}, 10.0)
+    ended = mpi_children.run(["sh", "-c", "echo nothing"], {}, 10.0)
     assert ended.said is None and ended.last_line == "nothing"
 
 
 def test_a_run_leaves_nothing_behind_when_it_is_terminated(tmp_path: Path) -> None:
-    code = "from studies import launch; launch.run(['sh', '-c', 'sleep 60 & echo $! > {0}; wait'], {{}}, 60.0)"
+    code = "from studies import launch; mpi_children.run(['sh', '-c', 'sleep 60 & echo $! > {0}; wait'], {{}}, 60.0)"
     file = tmp_path / "pid"
-    parent = subprocess.Popen([sys.executable, "-c", code.format(file)], cwd=launch.ROOT)
+    parent = subprocess.Popen([sys.executable, "-c", code.format(file)], cwd=mpi_children.ROOT)
     while not (file.exists() and file.read_text()):
         time.sleep(0.05)
     parent.terminate()

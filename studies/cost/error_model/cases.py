@@ -14,7 +14,7 @@ from studies.planning.error_model import LONGEST, Cells
 from studies.planning.levels import MERIDIANS
 from studies.results import provenance
 from studies.scene.bellows import BellowsScene, shape_of
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.meshes import scene_meridian
 
 TOLERANCE_SCENES: Final = provenance.ROOT / "scenes" / "tolerance"

@@ -14,8 +14,8 @@ from studies.cost.error_model.cases import KINDS, PREFIX, Trial, cases
 from studies.cost.error_model.checks import check_rows, checks_table, factors_table
 from studies.cost.error_model.fit import Sample, fit, limits_of, sample, time_laws
 from studies.engine import Page, Setting, Solved, Study
-from studies.results.files import write_text_atomically
 from studies.results.rows import read_rows
+from studies.results.run_files import write_text_atomically
 
 
 def solve(trial: Trial, at: Setting) -> Sample:

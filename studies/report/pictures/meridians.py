@@ -12,7 +12,7 @@ from meshes.gaps import outlines
 from meshes.solid import FloatArray, SolidMesh
 from studies.planning.levels import fineness
 from studies.report.style import RIGID, figure_file
-from studies.results.files import load_state
+from studies.results.run_files import load_state
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene, shape_of
 from studies.scene.meshes import scene_meridian

@@ -16,12 +16,12 @@ from matplotlib.ticker import MultipleLocator
 
 from meshes.gaps import outlines
 from meshes.solid import REGIONS, FloatArray, IntArray
-from solvers.output import pressure_at_nodes
+from solvers.vtu import pressure_at_nodes
 from studies.planning.levels import fineness
 from studies.report.pictures.stills import RingBox
 from studies.report.style import BELOW, RIGID, RIGID_EDGE, entry, figure_file
-from studies.results.files import load_state
 from studies.results.measures import find_places, largest_stretches
+from studies.results.run_files import load_state
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene, shape_of
 from studies.scene.meshes import scene_meridian

@@ -19,7 +19,7 @@ from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import StepFailed
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathSettings
+from solvers.paths.states import PathSettings
 from solvers.state import State
 
 TIGHT = NewtonSettings(relative_tolerance=1e-11)

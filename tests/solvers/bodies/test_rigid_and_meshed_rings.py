@@ -17,7 +17,7 @@ from solvers.bodies.rigid import RigidBodies
 from solvers.equilibrium.newton import NewtonSettings
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
-from solvers.paths.records import Path, PathSettings
+from solvers.paths.states import Path, PathSettings
 
 PRESSURES = [0.005, 0.010]
 

@@ -25,7 +25,7 @@ from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, SolverError, StepFailed
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathSettings
+from solvers.paths.states import PathSettings
 
 LAW = DRAGON_SKIN_10
 INNER, OUTER = Tube(5.0, 6.0), Tube(7.0, 8.5)

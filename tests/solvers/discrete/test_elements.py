@@ -20,7 +20,7 @@ from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import SolverError
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathSettings
+from solvers.paths.states import PathSettings
 from solvers.problem import Problem
 from solvers.state import State, pressure_at_corners
 

@@ -19,7 +19,7 @@ from solvers.discrete.domain import create_domain
 from solvers.discrete.elements import QUADRATURE_DEGREE
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathSettings
+from solvers.paths.states import PathSettings
 from solvers.problem import Problem
 
 CASES: dict[str, tuple[Law, tuple[float, ...], float]] = {

@@ -8,8 +8,8 @@ import pytest
 from meshes.cells import HEXAHEDRON_NODES, QUADRILATERAL_NODES
 from meshes.revolve import revolve
 from meshes.sweep import revolve_hexahedra
-from solvers.output import pressure_at_nodes, principal_stretches, vtk_grid
 from solvers.state import State
+from solvers.vtu import pressure_at_nodes, principal_stretches, vtk_grid
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +26,7 @@ def body(strip):
 def test_nodes_are_in_vtks_order(dimension: int, name: str) -> None:
     import vtk
 
-    from solvers.output import _VTK
+    from solvers.vtu import _VTK
 
     cell = getattr(vtk, name)()
     count = cell.GetNumberOfPoints()

@@ -21,7 +21,7 @@ from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonReport, NewtonSettings, solve_equilibrium
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathSettings
+from solvers.paths.states import PathSettings
 from solvers.problem import Problem
 from solvers.state import State
 

@@ -18,7 +18,7 @@ from solvers.errors import Cause, SolverError, StepFailed
 from solvers.linear.factor import Factor
 from solvers.linear.krylov import IterativeSettings, IterativeSolver
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathSettings
+from solvers.paths.states import PathSettings
 
 SCRIPT = Path(__file__).with_name("iterative_ranks_script.py")
 

@@ -8,7 +8,7 @@ import pytest
 from solvers.errors import Cause, StepFailed
 from solvers.linear import factor as linear
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathSettings
+from solvers.paths.states import PathSettings
 
 OUT_OF_CORE = linear.LADDER.index({22: 1})
 

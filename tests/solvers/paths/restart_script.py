@@ -19,7 +19,7 @@ from meshes.meridian import Resolution, meridian_mesh
 from meshes.revolve import revolve, revolve_vector
 from solvers.paths.checkpoint import read_checkpoint, write_checkpoint
 from solvers.paths.path import follow_path
-from solvers.paths.records import GuessMemory
+from solvers.paths.states import GuessMemory
 from solvers.paths.warm_start import follow_guesses
 from solvers.state import State
 

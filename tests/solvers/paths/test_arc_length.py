@@ -23,7 +23,7 @@ from solvers.linear.factor import Factor
 from solvers.paths.arc import FARTHEST, Scale, distance, refuse_far, refuse_jump, volume_turns_back
 from solvers.paths.checkpoint import read_checkpoint, write_checkpoint
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathMemory, PathPoint, PathSettings
+from solvers.paths.states import PathMemory, PathPoint, PathSettings
 from solvers.state import State
 
 SCRIPT = Path(__file__).with_name("two_spheres.py")

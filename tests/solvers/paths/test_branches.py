@@ -21,7 +21,7 @@ from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
 from solvers.paths.branch import BranchSettings, follow_branch
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathSettings
+from solvers.paths.states import PathSettings
 from solvers.state import State
 
 MU = 0.1

@@ -14,7 +14,7 @@ from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, StepFailed
 from solvers.paths.diagnosis import failed_steps, limit_pressure
 from solvers.paths.path import follow_path
-from solvers.paths.records import Crossing, PathPoint, PathSettings
+from solvers.paths.states import Crossing, PathPoint, PathSettings
 from solvers.state import State
 
 NOTHING = State(np.zeros((1, 2)), np.zeros(1), np.zeros((0, 0)), 0.0)

@@ -12,7 +12,7 @@ import pytest
 from solvers.errors import Cause
 from solvers.paths.checkpoint import CheckpointError, read_checkpoint, write_checkpoint
 from solvers.paths.path import follow_path
-from solvers.paths.records import Crossing, PathMemory, PathSettings
+from solvers.paths.states import Crossing, PathMemory, PathSettings
 
 SCRIPT = Path(__file__).with_name("restart_script.py")
 ASKED = [0.005, 0.010]

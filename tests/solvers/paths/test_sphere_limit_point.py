@@ -16,7 +16,7 @@ from solvers.equilibrium.controls import HeldVolume
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathSettings
+from solvers.paths.states import PathSettings
 
 INNER, OUTER, MU = 5.0, 6.5, 0.1
 

@@ -18,7 +18,7 @@ from solvers.assembly.surfaces import Surfaces
 from solvers.discrete.domain import create_domain
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathSettings
+from solvers.paths.states import PathSettings
 from solvers.problem import Problem
 
 LAW = NeoHooke(0.1)

@@ -22,7 +22,7 @@ from solvers.equilibrium.newton import NewtonSettings
 from solvers.errors import SolverError
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathSettings, point_of
+from solvers.paths.states import PathSettings, point_of
 from solvers.stability.harmonics import Harmonics
 from solvers.stability.modes import ModeCounter, mode_crossings
 from solvers.state import State

@@ -21,7 +21,7 @@ from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathMemory, PathPoint, PathSettings
+from solvers.paths.states import PathMemory, PathPoint, PathSettings
 from solvers.state import State
 
 MU = 0.1

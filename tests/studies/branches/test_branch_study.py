@@ -17,7 +17,7 @@ from studies.branches.study import STUDY, cases, solve
 from studies.engine import Setting, run
 from studies.progress import Progress
 from studies.results.rows import read_rows
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.meshes import scene_body, scene_meridian
 
 

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from analytical.bellows.chains_by_name import CHAINS, CUTS, PRESSURES_KPA, SILICONES, path_of
 from analytical.bellows.corrections import CORRECTIONS
-from analytical.bellows.named import CHAINS, CUTS, PRESSURES_KPA, SILICONES, path_of
-from analytical.bellows.one_by_one import elongation_by_equations_mm
 from analytical.bellows.paper import actuators
+from analytical.bellows.second_route import elongation_by_equations_mm
 from studies import two_routes
 from studies.closed_form import maps, materials, sentences, speed, tables
 from studies.closed_form.effects import EFFECTS

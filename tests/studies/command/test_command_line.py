@@ -14,8 +14,8 @@ from click.testing import CliRunner
 
 from studies.__main__ import main
 from studies.models import run_log
-from studies.results.files import PATH_COLUMNS, read_path, read_summary
 from studies.results.rows import COLUMNS, read_rows
+from studies.results.run_files import PATH_COLUMNS, read_path, read_summary
 
 ROOT = Path(__file__).resolve().parents[3]
 SCENE_PICTURES = ("elongation", "states", "times")
@@ -276,7 +276,7 @@ def test_report_of_a_scene_is_made_from_its_folder(solved, tmp_path):
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 def test_full_disk_is_an_error_with_the_path(tmp_path, monkeypatch):
-    from studies.results.files import write_text_atomically
+    from studies.results.run_files import write_text_atomically
 
     def full(self, *_):
         return open("/dev/full", "wb", buffering=0)

@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from studies.__main__ import main
-from studies.command.answer import answers
+from studies.command.solve_output import answers
 from studies.results.rows import row
 
 COMMANDS = ("plan", "solve", "report", "batch", "sweep", "study", "check", "material", "mesh")

@@ -16,7 +16,7 @@ from studies.engine import run
 from studies.models.contact import LIMIT, STIFFNESS
 from studies.results.rows import REACHED, Row, read_rows, row
 from studies.scene.bellows import at_pressures
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 
 
 @pytest.fixture(scope="module")

@@ -28,7 +28,7 @@ from studies.progress import Progress
 from studies.results import provenance
 from studies.results.rows import read_rows
 from studies.scene.bellows import dimensions_of
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.materials import STABLE_STRETCH, law_of
 from studies.scene.meshes import scene_meridian
 

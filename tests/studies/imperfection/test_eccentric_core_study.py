@@ -24,7 +24,7 @@ from studies.progress import Progress
 from studies.results.rows import read_rows
 from studies.results.runs import run_hash
 from studies.scene.bellows import core_shift_mm, without_eccentricity
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.meshes import scene_body, scene_meridian
 from studies.scene.sections import SceneError
 

@@ -13,7 +13,7 @@ from mpi4py import MPI
 
 from solvers.linear.factor import Factor
 from studies.models.build import scene_problem
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.meshes import scene_body, scene_meridian
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -11,11 +11,11 @@ from click.testing import CliRunner
 from analytical.bellows.loads import held_tip
 from studies.__main__ import main
 from studies.planning.planner import describe, make_plan
-from studies.results.files import read_path, read_summary
 from studies.results.rows import read_rows
+from studies.results.run_files import read_path, read_summary
 from studies.results.runs import run_hash
 from studies.scene.bellows import dimensions_of
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.materials import law_of
 from studies.scene.sections import SceneError
 

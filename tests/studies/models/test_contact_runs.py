@@ -21,7 +21,7 @@ from studies.models.run_log import CONTACT, Log
 from studies.progress import Progress
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene, Contact
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.meshes import scene_meridian
 
 WALL_MM = 2.0

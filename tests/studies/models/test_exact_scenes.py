@@ -13,10 +13,10 @@ from click.testing import CliRunner, Result
 from studies.__main__ import main
 from studies.models import run_log
 from studies.results.exact_answers import exact_bore_mm, exact_crossing_kpa
-from studies.results.files import PATH_COLUMNS, read_path, read_summary
 from studies.results.rows import COLUMNS, Row, read_rows
+from studies.results.run_files import PATH_COLUMNS, read_path, read_summary
 from studies.scene.bodies import BodyScene
-from studies.scene.files import load_scene
+from studies.scene.load import load_scene
 from studies.scene.sections import SceneError
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -15,7 +15,7 @@ from studies.models.axisymmetric import run_axisymmetric
 from studies.planning.levels import BodyLevel
 from studies.progress import Progress
 from studies.scene.bellows import BellowsScene
-from studies.scene.files import load_bellows, load_scene
+from studies.scene.load import load_bellows, load_scene
 from studies.scene.sections import SceneError
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from studies.results.files import PATH_COLUMNS, read_path, read_summary
+from studies.results.run_files import PATH_COLUMNS, read_path, read_summary
 
 ROOT = Path(__file__).resolve().parents[3]
 LEVELS = {"axisymmetric": ("axisymmetric-r1", "axisymmetric-r2", "axisymmetric-r4"), "full3d": ("full3d-n8",)}

@@ -20,9 +20,9 @@ from studies.models.modes import WARNING, counts_of, read_crossings, read_shape
 from studies.modes.full3d import on_full_circle
 from studies.modes.pictures import revolved_mode
 from studies.progress import Progress
-from studies.results.files import read_path, read_summary
 from studies.results.rows import is_reached, read_rows
-from studies.scene.files import load_bellows
+from studies.results.run_files import read_path, read_summary
+from studies.scene.load import load_bellows
 from studies.sweep.farm import run_sweep
 
 ROOT = Path(__file__).resolve().parents[3]

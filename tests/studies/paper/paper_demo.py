@@ -11,11 +11,11 @@ from pathlib import Path
 from studies.paper.cases import Case, case_text, cases
 from studies.paper.results import CaseResult, PaperResults
 from studies.results.bellows_rows import bellows_rows
-from studies.results.files import PathRow, RunSummary
 from studies.results.rows import REACHED, Row, row
+from studies.results.run_files import PathRow, RunSummary
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 
 ALL = {(case.group, case.scene): case for case in cases()}
 # Elongation at 20 kPa, mm, by wall and by whether the root is the larger one.

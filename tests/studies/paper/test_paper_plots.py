@@ -16,8 +16,8 @@ from studies.paper import panels, plots
 from studies.paper.cases import Case, Group, case_text, cases
 from studies.paper.results import CaseResult, PaperResults
 from studies.report.style import figure_file
-from studies.results.files import PathRow, RunSummary
 from studies.results.rows import FOLDED_BACK, REACHED, Row, row
+from studies.results.run_files import PathRow, RunSummary
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene
 

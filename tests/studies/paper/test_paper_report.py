@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from studies.engine import REACHED, Bar, render
-from studies.paper import bars, bonds, errors, study, summary, times, variants
+from studies.paper import acceptance, bonds, errors, study, summary, times, variants
 from studies.paper.cases import REFERENCE_SCENES
 from studies.paper.claims import claims
 from studies.paper.results import CaseResult, PaperResults, no_row
@@ -27,7 +27,7 @@ TABLES: tuple[Callable[[PaperResults], Table], ...] = (
     errors.mean_errors,
     errors.assumptions,
     errors.unfoldings,
-    bars.misses,
+    acceptance.misses,
     variants.dimension_swing,
     variants.conventions,
     variants.silicones,
@@ -107,7 +107,7 @@ def test_numbers_have_the_decimals_of_their_uncertainty() -> None:
 
 
 def test_bars_count_bands(results: PaperResults) -> None:
-    found = {bar.wanted: bar for bar in bars.bars(results)}
+    found = {bar.wanted: bar for bar in acceptance.bars(results)}
     full = found[f"{FIRST}: uncertainty of full 3D at 20 kPa: at most 1 %"]
     assert full == Bar(full.wanted, "0.5 %", True, decides=False)  # 1.25 times the 0.4 % of its meridian, nothing round
     assert found[f"{FIRST}: axisymmetric from full 3D at 20 kPa: at most 0.5 %"].met
@@ -118,15 +118,15 @@ def test_bars_count_bands(results: PaperResults) -> None:
         "full 3D bands that hold the finest mesh: 8 cells round by 12 cells round, level 3, all cases: at least 95 %"
     )
     assert found[bodies].found == "100.0 % (4 of 4)"
-    assert {bar.verdict for bar in bars.bars(PaperResults(()))} == {"not run"}
+    assert {bar.verdict for bar in acceptance.bars(PaperResults(()))} == {"not run"}
 
 
 def test_only_pressures_that_are_not_reached_decide_the_exit_code(results: PaperResults) -> None:
-    assert [bar.wanted for bar in bars.bars(results) if bar.decides] == [
+    assert [bar.wanted for bar in acceptance.bars(results) if bar.decides] == [
         f"{name}: every requested pressure is reached" for name in REFERENCE_SCENES
     ]
     stopped = make_results(make_case(case_of("core", FIRST), stop_kpa=12.0))
-    (missed,) = [bar for bar in bars.bars(stopped) if bar.missed]
+    (missed,) = [bar for bar in acceptance.bars(stopped) if bar.missed]
     assert missed.found == "axisymmetric, level 4: no convergence | <at all>"
 
 
@@ -134,10 +134,10 @@ def test_a_band_that_does_not_hold_is_told() -> None:
     tip = usual_tip(scene_of("core", FIRST))
     case = make_case(case_of("core", FIRST), tip=lambda level, p: tip(level, p) + (1.0 if level == "r4" else 0.0))
     results = make_results(case)
-    missed = lines(bars.misses(results))
+    missed = lines(acceptance.misses(results))
     assert [line["pressure, kPa"] for line in missed] == ["5", "10", "15", "20"]
     assert {line["mesh of the band"] for line in missed} == {"axisymmetric, level 2"}
-    assert "not met" in [bar.verdict for bar in bars.bars(results)]
+    assert "not met" in [bar.verdict for bar in acceptance.bars(results)]
 
 
 def test_range_over_the_sets_needs_all_of_them(results: PaperResults) -> None:

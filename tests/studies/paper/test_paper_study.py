@@ -12,8 +12,8 @@ from studies.paper import study
 from studies.paper.cases import PARTS, Case, case_text, cases
 from studies.paper.results import read_results
 from studies.progress import Progress
-from studies.results.files import SUMMARY_FILE
-from studies.scene.files import load_bellows
+from studies.results.run_files import SUMMARY_FILE
+from studies.scene.load import load_bellows
 
 SMALL = "smoke-t2-ri5"
 LOW = {"load.pressure_kpa": [2.0], "ask.fields": False}

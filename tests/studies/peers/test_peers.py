@@ -11,7 +11,7 @@ from mpi4py import MPI
 
 from analytical.laws.stiff import PLA
 from meshes.cells import cell_shape
-from studies import launch
+from studies import mpi_children
 from studies.engine import run
 from studies.peers import environment
 from studies.peers import study as peer_study
@@ -219,7 +219,7 @@ def test_what_a_peer_says_is_read_and_why_another_says_nothing(tmp_path, monkeyp
     said = {"tip_mm": 9.0, "dofs": 70, "peak_mb": 50.0, "reason": "", "pressure_mpa": 0.01}
 
     def answer(code, out, error=""):
-        monkeypatch.setattr(launch, "run", lambda *_: launch.Ended(code, out, error, 7.0, 5.0, 0.0))
+        monkeypatch.setattr(mpi_children, "run", lambda *_: mpi_children.Ended(code, out, error, 7.0, 5.0, 0.0))
         return measure_peer(attempt, tmp_path, 10.0)
 
     found = answer(0, f"noise\n{json.dumps(said)}\ndone\n")
@@ -241,9 +241,9 @@ def test_ours_is_solved_twice_and_read_from_its_folder(monkeypatch):
         out.mkdir()
         (out / "summary.json").write_text(json.dumps({"dofs": 70, "peak_mb": 50.0}))
         (out / "path.csv").write_text("tip_mm,status\n1.0,step\n9.0,requested\n")
-        return launch.Ended(0, "", "", 7.0, 5.0, 0.0)
+        return mpi_children.Ended(0, "", "", 7.0, 5.0, 0.0)
 
-    monkeypatch.setattr(launch, "run", solve)
+    monkeypatch.setattr(mpi_children, "run", solve)
     found = measure_ours(attempt, 10.0)
     assert seen == [("warm", True, "1"), ("timed", True, "1")]
     assert (found.tip_mm, found.unknowns, found.peak_mb, found.reason) == (9.0, 70, 50.0, "")

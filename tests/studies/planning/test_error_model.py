@@ -34,7 +34,7 @@ from studies.progress import Progress
 from studies.results import provenance
 from studies.results.rows import read_rows, row
 from studies.scene.bellows import BellowsScene
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.meshes import scene_meridian
 
 

@@ -10,9 +10,9 @@ from click.testing import CliRunner
 from studies.__main__ import main
 from studies.planning.error_model import around_for
 from studies.planning.planner import describe, make_plan
-from studies.results.files import read_path, read_summary
+from studies.results.run_files import read_path, read_summary
 from studies.scene.bellows import in_hexahedra
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.sections import SceneError
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -21,9 +21,9 @@ from studies.report.pictures.child import draw_side_by_side
 from studies.report.pictures.roots import RootPanel, draw_root_fields, root_panel
 from studies.report.pictures.stills import RingBox, Still
 from studies.report.style import figure_file
-from studies.results.files import PathRow, save_state
+from studies.results.run_files import PathRow, save_state
 from studies.scene.bellows import BellowsScene, shape_of
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.meshes import scene_meridian
 
 STRETCH, WIDENING, PRESSURE_MPA = 1.5, 1.1, 0.03

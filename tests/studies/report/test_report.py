@@ -20,8 +20,8 @@ from studies.report.pictures.stills import RingBox, Still
 from studies.report.scene_report import SceneReport, headline
 from studies.report.scenes import verdict
 from studies.report.tables import Column, per_level, pivot, pressure_of
-from studies.results.files import PathRow, RunSummary, read_path
 from studies.results.rows import Row, read_rows, row
+from studies.results.run_files import PathRow, RunSummary, read_path
 from studies.smoke.study import STUDY, cases
 
 PRESSURES = (10.0, 20.0)

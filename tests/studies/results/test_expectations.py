@@ -14,7 +14,7 @@ from studies.progress import Progress
 from studies.results import provenance
 from studies.results.expectations import CHECKED_ERROR, PREDICTED_ERROR, PREDICTED_WORK, WORK
 from studies.scene.bellows import BellowsScene
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 
 SCENE = provenance.ROOT / "scenes" / "peers" / "bellows.toml"
 

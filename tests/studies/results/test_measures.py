@@ -17,7 +17,6 @@ from meshes.bellows import BellowsShape, wall_segments
 from solvers.state import State
 from studies.models.axisymmetric import run_axisymmetric
 from studies.progress import Progress
-from studies.results.files import PathRow, save_state
 from studies.results.measured_rows import measured_rows, model_values, unfolding_pressure
 from studies.results.measures import (
     NEAR_EDGE_MM,
@@ -29,8 +28,9 @@ from studies.results.measures import (
     measure,
 )
 from studies.results.rows import Row
+from studies.results.run_files import PathRow, save_state
 from studies.scene.bellows import BellowsScene, Load, dimensions_of, shape_of
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.materials import law_of
 
 RINGS = ("rigid", "meshed", "none")

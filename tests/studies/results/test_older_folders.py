@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from studies.results.files import PATH_FILE, SUMMARY_FILE, read_path, read_summary
 from studies.results.rows import read_rows, row, write_rows
+from studies.results.run_files import PATH_FILE, SUMMARY_FILE, read_path, read_summary
 
 
 def test_the_model_was_called_rung(tmp_path: Path) -> None:

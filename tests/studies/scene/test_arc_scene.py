@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from studies.__main__ import main
-from studies.results.files import read_path
+from studies.results.run_files import read_path
 
 ROOT = Path(__file__).resolve().parents[3]
 

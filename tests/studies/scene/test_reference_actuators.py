@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from studies.__main__ import main
-from studies.results.files import read_path, read_summary
+from studies.results.run_files import read_path, read_summary
 
 ROOT = Path(__file__).resolve().parents[3]
 # Axisymmetric tips at 20 kPa on level r4, where triangles and quadrilaterals agree to 0.02 mm.

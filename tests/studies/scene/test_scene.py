@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from studies.scene.bellows import bond_grade, shape_of
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.materials import inverse_kappa, law_of
 from studies.scene.sections import SceneError
 

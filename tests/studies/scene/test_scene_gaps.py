@@ -12,7 +12,7 @@ from solvers.state import State
 from studies.models.gaps import GapMeter
 from studies.models.run_log import CONTACT, ending
 from studies.scene.bellows import BellowsScene
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.scene.meshes import scene_body, scene_meridian
 
 

@@ -139,7 +139,7 @@ def test_a_study_is_reported_and_done_once(tmp_path, monkeypatch) -> None:
         raise AssertionError("solved twice")
 
     monkeypatch.setattr("studies.stability.study.run_cell", again)
-    monkeypatch.setattr("studies.launch.run", again)
+    monkeypatch.setattr("studies.mpi_children.run", again)
     assert run(study, tmp_path, MPI.COMM_SELF, {}) == 3
     assert read_rows(tmp_path / "rows.csv")[0].value == rows[0].value
 
@@ -149,7 +149,7 @@ def test_a_child_that_fails_is_a_crash_and_is_tried_again(tmp_path, monkeypatch)
         raise FileNotFoundError("no such file: mpirun")
 
     job = Job(cell(TUBE, 10.0, ranks=2), None, math.nan, tmp_path / "cell.json", "key")
-    monkeypatch.setattr("studies.launch.run", no_mpirun)
+    monkeypatch.setattr("studies.mpi_children.run", no_mpirun)
     run_in_child([job], 2, 1, tmp_path)
     found = read_kept(job.file, job.key, Outcome)
     assert found is not None and job.missing

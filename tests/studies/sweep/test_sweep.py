@@ -26,12 +26,12 @@ from studies.results.rows import read_rows
 from studies.scene.sections import SceneError
 from studies.scene.sweep import read_sweep
 from studies.scene.text import changed_text
-from studies.sweep import farm, table
+from studies.sweep import csv_table, farm
+from studies.sweep.csv_table import CHAINS, SweepRow, read_table, write_table
 from studies.sweep.designs import COUNT_KEY, ROOT_KEY, SWEEP_FILE, WALL_KEY
 from studies.sweep.farm import SweepOutcome, run_sweep
 from studies.sweep.rules import Point, Rule, across, one_factor, two_factors
 from studies.sweep.study import STUDY
-from studies.sweep.table import CHAINS, SweepRow, read_table, write_table
 
 ROOT = Path(__file__).resolve().parents[3]
 SCRIPT = Path(__file__).with_name("sweep_script.py")
@@ -203,7 +203,7 @@ def test_nothing_is_repeated_and_a_longer_sweep_solves_what_is_new(done, solved,
 
 
 def test_scenes_that_fail_or_stop_are_rows_with_their_reasons(done, monkeypatch, tmp_path) -> None:
-    run_plan, scene_rows = farm.run_plan, table.bellows_rows
+    run_plan, scene_rows = farm.run_plan, csv_table.bellows_rows
 
     def one_fails(scene, *rest):
         if (scene.geometry.root_radius_mm, scene.geometry.wall_mm) == (5.0, 1.0):
@@ -219,7 +219,7 @@ def test_scenes_that_fail_or_stop_are_rows_with_their_reasons(done, monkeypatch,
         return [dataclasses.replace(r, **why) if hit else r for r, hit in zip(rows, at_5, strict=True)]
 
     monkeypatch.setattr(farm, "run_plan", one_fails)
-    monkeypatch.setattr(table, "bellows_rows", one_stops)
+    monkeypatch.setattr(csv_table, "bellows_rows", one_stops)
     out = tmp_path / "out"
     shutil.copytree(done.out, out)
     outcome = run(done.file, out)

@@ -10,7 +10,7 @@ from mpi4py import MPI
 from studies.engine import run
 from studies.results.rows import read_rows
 from studies.scene.bellows import at_pressures
-from studies.scene.files import load_bellows
+from studies.scene.load import load_bellows
 from studies.vacuum.study import STUDY, cases
 
 

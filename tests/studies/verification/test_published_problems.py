@@ -17,7 +17,7 @@ from studies.__main__ import main
 from studies.models.session import SceneResult
 from studies.results.exact_answers import COOK_CORNER_MM
 from studies.results.rows import Row, read_rows, row
-from studies.scene.files import load_scene
+from studies.scene.load import load_scene
 from studies.scene.sections import SceneError
 from studies.verification import study as verification
 

@@ -25,7 +25,7 @@ from solvers.discrete.domain import create_domain
 from solvers.equilibrium.newton import NewtonSettings
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
-from solvers.paths.records import PathSettings
+from solvers.paths.states import PathSettings
 from solvers.paths.warm_start import follow_guesses
 from solvers.problem import Problem
 from solvers.state import State, pressure_at_corners

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from solvers.files import write_atomically
+from solvers.atomic import write_atomically
 from solvers.state import State
-from studies.results.records import read_records, write_records
+from studies.results.csv_files import read_records, write_records
 
 PATH_FILE, SUMMARY_FILE, STATES_FOLDER, FIELDS_FOLDER = "path.csv", "summary.json", "states", "fields"
 

@@ -12,7 +12,7 @@ from typing import Any, Literal, get_args
 from analytical.bellows.chains import closed_form
 from analytical.bellows.dimensions import BellowsError
 from studies.results.bellows_rows import bellows_rows
-from studies.results.records import field_text, field_value, read_lines, write_lines
+from studies.results.csv_files import field_text, field_value, read_lines, write_lines
 from studies.results.rows import REACHED, Row, difference_percent, row
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene, dimensions_of

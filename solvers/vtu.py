@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from solvers.atomic import write_atomically
 from solvers.compat import CELL_NAMES, lagrange_at_nodes
 from solvers.discrete.domain import FloatArray, MeshArrays
-from solvers.files import write_atomically
 from solvers.state import State, pressure_at_corners
 
 # VTK's number of a quadratic cell and its order of the nodes, in basix' numbers.

@@ -16,7 +16,7 @@ from studies.models.session import SceneResult
 from studies.report.labels import model_label, ordered, quantity_label, run_label
 from studies.report.numbers import signed
 from studies.results.rows import Row
-from studies.scene.files import Scene
+from studies.scene.load import Scene
 
 # The models whose result is the answer, the best first.
 BEST = ("full3d", "sector", "axisymmetric")

@@ -10,7 +10,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, TypeVar
 
-from solvers.files import write_atomically
+from solvers.atomic import write_atomically
 
 Record = TypeVar("Record")
 
