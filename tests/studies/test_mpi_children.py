@@ -56,10 +56,13 @@ def test_what_a_child_said_last() -> None:
 
 
 def test_a_run_leaves_nothing_behind_when_it_is_terminated(tmp_path: Path) -> None:
-    code = "from studies import launch; mpi_children.run(['sh', '-c', 'sleep 60 & echo $! > {0}; wait'], {{}}, 60.0)"
+    code = (
+        "from studies import mpi_children; mpi_children.run(['sh', '-c', 'sleep 60 & echo $! > {0}; wait'], {{}}, 60.0)"
+    )
     file = tmp_path / "pid"
     parent = subprocess.Popen([sys.executable, "-c", code.format(file)], cwd=mpi_children.ROOT)
     while not (file.exists() and file.read_text()):
+        assert parent.poll() is None  # it would never write the file
         time.sleep(0.05)
     parent.terminate()
     assert parent.wait(30.0) == 128 + signal.SIGTERM
