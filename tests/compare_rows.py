@@ -17,8 +17,8 @@ import click
 
 KEYS = ("scene", "quantity", "unit", "pressure_kpa", "model", "level")
 NUMBERS = ("value", "uncertainty", "reference", "error_percent")
-# Names of columns and values before 0.2.
-RENAMED = {"rung": "model"}
+# Names of columns and of quantities before 0.2.
+RENAMED = {"rung": "model", "mend_effect_cm": "correction_effect_cm"}
 NEVER_THE_SAME = ("s", "MB", "1/s", "ms", "us", "us/cell")
 
 # Nine digits of a value and of its reference, percent.
@@ -32,7 +32,7 @@ def read(path: Path) -> dict[Key, dict[str, str]]:
     found: dict[Key, dict[str, str]] = {}
     with path.open(newline="", encoding="utf-8") as stream:
         for line in csv.DictReader(stream):
-            named = {RENAMED.get(name, name): text for name, text in line.items()}
+            named = {RENAMED.get(name, name): RENAMED.get(text, text) for name, text in line.items()}
             if named["unit"] in NEVER_THE_SAME:
                 continue
             key = tuple(named[name] for name in KEYS)
