@@ -59,7 +59,10 @@ def sentence(rows: Sequence[Row]) -> str:
     found = {r.quantity: r.value for r in rows}
     if PREDICTED_ERROR not in found:
         return ""
-    return f"error predicted {found[PREDICTED_ERROR]:.2g} %, by the check {found[CHECKED_ERROR]:.2g} %; work predicted {found[PREDICTED_WORK]:.2g} s, done {found[WORK]:.2g} s"
+    return (
+        f"error predicted {found[PREDICTED_ERROR]:.2g} %, by the check {found[CHECKED_ERROR]:.2g} %; "
+        f"work predicted {found[PREDICTED_WORK]:.2g} s, done {found[WORK]:.2g} s"
+    )
 
 
 def _model(run: Run) -> Model:
