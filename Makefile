@@ -10,7 +10,7 @@ MPIRUN ?= $(if $(filter wheel,$(STACK)),$(CURDIR)/.venv/bin/mpirun,/usr/bin/mpir
 export MPIRUN
 SCENES ?= $(wildcard scenes/*.toml)
 SWEEP ?= sweeps/heung-map.toml
-EXAMPLES ?= stacks paper exact closed-form dimensions sweep stability cost modes branches imperfection contact vacuum verification large
+EXAMPLES ?= stacks paper outline exact closed-form dimensions sweep stability cost modes branches imperfection contact vacuum verification large
 
 # --- ranks and threads ----------------------------------------------------------------------
 # One rank: BLAS may use all cores. Several ranks: one thread each, or they fight for the cores. Two ranks
@@ -129,6 +129,10 @@ study-core: check ## the four actuators without the variants -> results/paper
 .PHONY: study-paper-audit
 study-paper-audit: check ## the same, and finer meshes that must lie within its uncertainties -> results/paper
 	$(LAUNCH) -m studies study paper --part core --part variants --part audit --out results/paper
+
+.PHONY: study-outline
+study-outline: check ## the gap between closed form and finite elements, split: outline and model apart -> results/outline
+	$(LAUNCH) -m studies study outline --out results/outline
 
 .PHONY: study-sweep
 study-sweep: check ## elongation over R_i, t and n; where the closed form misleads a designer -> results/sweep

@@ -14,6 +14,7 @@ STUDIES: Mapping[str, str] = {
     "smoke": "studies.smoke.study",
     "closed-form": "studies.closed_form.study",
     "dimensions": "studies.dimensions.study",
+    "outline": "studies.outline.study",
     "sweep": "studies.sweep.study",
     "exact": "studies.verification.exact",
     "verification": "studies.verification.study",

@@ -1,0 +1,146 @@
+"""The outline study: finite elements of one outline after another, and the gap to the closed form split into causes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import partial
+from itertools import groupby
+from typing import Final
+
+from analytical.bellows.chains import closed_form
+from analytical.bellows.chains_by_name import PRESSURES_KPA
+from analytical.bellows.paper import PaperActuator, actuators
+from studies.engine import Bar, Page, Setting, Solved, Study
+from studies.models.axisymmetric import run_axisymmetric
+from studies.outline.cases import MOULDED, OUTLINES, ZIGZAG, Case, cases, with_outline
+from studies.outline.plots import draw_waterfalls
+from studies.outline.split import CAUSES, Split, fed_mm, free_wall_mm, split
+from studies.report.numbers import number_text, signed
+from studies.report.tables import Table, table_of
+from studies.results import provenance
+from studies.results.bellows_rows import bellows_rows
+from studies.results.kept import content_key, kept
+from studies.results.measured_rows import measured_rows
+from studies.results.rows import Row, is_reached, row
+from studies.scene.bellows import shape_of
+from studies.scene.load import load_bellows
+
+LEVELS: Final = (1, 2)
+SHOWN: Final = ("tip_mm", "root_stretch_outer", "wall_stretch", "unstable_modes")
+
+
+def solve(case: Case, at: Setting) -> tuple[Row, ...]:
+    """Rows of a case on two meridians: tips with their bands, and stretches measured in the states."""
+    if case.fault:
+        return (row(case.name, "tip_mm", "mm", math.nan, "axisymmetric", math.nan, status=f"refused: {case.fault}"),)
+    folder = at.out / case.name
+    runs = [run_axisymmetric(case.scene, n, folder / f"axisymmetric-r{n}", at.comm, at.progress) for n in LEVELS]
+    key = content_key([run.summary.content_hash for run in runs], provenance.code_hash())
+
+    def rows() -> tuple[Row, ...]:
+        found = [*bellows_rows(case.scene, runs), *measured_rows(case.scene, runs, folder)]
+        return tuple(r for r in found if r.quantity in SHOWN and r.model == "axisymmetric")
+
+    return kept(folder / "rows.json", key, tuple[Row, ...], rows)
+
+
+def value_of(rows: Sequence[Row], scene: str, pressure_kpa: float) -> Row | None:
+    """Tip of the finest mesh of a scene at a pressure."""
+    found = [r for r in rows if (r.scene, r.quantity, r.pressure_kpa) == (scene, "tip_mm", pressure_kpa)]
+    return found[-1] if found else None
+
+
+def outlines_table(rows: Sequence[Row], actuator: PaperActuator) -> Table:
+    """A line per outline, a column per pressure: elongation, its difference from the closed form."""
+    chain = closed_form(actuator.dimensions, actuator.law, PRESSURES_KPA).elongation_mm
+    lines = [("closed form, straight walls from root to crest", *(f"{value:.1f}" for value in chain))]
+    for outline in OUTLINES:
+        cells = []
+        for pressure, known in zip(PRESSURES_KPA, chain, strict=True):
+            found = value_of(rows, f"{actuator.name}-{outline.name}", pressure)
+            reached = found is not None and is_reached(found)
+            cells.append(
+                f"{found.value:.1f} ({signed(100.0 * (known / found.value - 1.0))} %)" if found and reached else "–"
+            )
+        lines.append((outline.text, *cells))
+    return Table(("outline", *(f"{p:g} kPa" for p in PRESSURES_KPA)), tuple(lines))
+
+
+def split_table(splits: Sequence[Split]) -> Table:
+    """A line per actuator and pressure."""
+    columns: dict[str, Callable[[Split], str]] = {
+        "actuator": lambda s: s.actuator.name,
+        "kPa": lambda s: f"{s.pressure_kpa:g}",
+        "closed form, mm": lambda s: f"{s.closed_form_mm:.1f}{' (held)' if s.held else ''}",
+        "finite elements, mm": lambda s: f"{s.elements_mm:.1f} ± {s.uncertainty_mm:.2f}",
+        "gap, mm": lambda s: f"{s.elements_mm - s.closed_form_mm:.1f}",
+        **{text: partial(_cause_text, name) for name, text in CAUSES.items()},
+    }
+    return table_of(splits, columns, left=(0,))
+
+
+def _cause_text(cause: str, found: Split) -> str:
+    return number_text(found.causes_mm[cause], "+.1f")
+
+
+def fed_table() -> Table:
+    """Wall lengths, and the closed form fed with each of both outlines."""
+    lines = []
+    for actuator in actuators():
+        base = load_bellows(provenance.ROOT / "scenes" / f"{actuator.name}.toml")
+        for outline in (MOULDED, ZIGZAG):
+            shape = shape_of(with_outline(base, actuator, outline))
+            length, straight = free_wall_mm(shape) + 0.5 * shape.seat_mm, actuator.dimensions.side_length_mm
+            fed = [fed_mm(actuator, shape, pressure) for pressure in PRESSURES_KPA]
+            lines.append(
+                (
+                    actuator.name,
+                    outline.text,
+                    f"{length:.2f} ({signed(100.0 * (length / straight - 1.0))} %)",
+                    ", ".join(f"{whole:.1f}" for whole, _ in fed),
+                    ", ".join(f"{less:.1f}" for _, less in fed),
+                )
+            )
+    fed_at = "closed form fed with it at 5, 10, 15, 20 kPa, mm"
+    header = ("actuator", "outline", "centreline of a half pitch, mm (against l)", fed_at, "less its slack at rest, mm")
+    return Table(header, tuple(lines), left=(0, 1, 3, 4))
+
+
+def rows_of_split(found: Split) -> list[Row]:
+    """A row per cause; the gap is their reference in sum."""
+    p, name = found.pressure_kpa, found.actuator.name
+    return [row(name, f"gap_{cause}_mm", "mm", p, "closed_form", value) for cause, value in found.causes_mm.items()]
+
+
+def page(solved: Sequence[Solved[Case, tuple[Row, ...]]], at: Setting) -> Page:
+    """Tables of all outlines, the split with its picture, and the bar that it sums to the gap."""
+    rows = [r for done in solved for r in done.result]
+    splits = [split(rows, actuator, p) for actuator in actuators() for p in PRESSURES_KPA]
+    pictures = {}
+    for actuator, of_it in groupby(splits, lambda s: s.actuator):
+        pictures[actuator.name] = f"pictures/gap-{actuator.name}.png"
+        draw_waterfalls(at.out / pictures[actuator.name], list(of_it))
+    rest = [abs(sum(s.causes_mm.values()) - (s.elements_mm - s.closed_form_mm)) for s in splits]
+    closed = [sum(s.uncertainty_mm >= r for s, r in zip(splits, rest, strict=True))]
+    content = {
+        "outlines": {a.name: outlines_table(rows, a) for a in actuators()},
+        "split": split_table(splits),
+        "fed": fed_table(),
+        "pictures": pictures,
+        "refused": [f"{done.case.name}: {done.case.fault}" for done in solved if done.case.fault],
+    }
+    stopped = [f"{r.scene}, {r.level}: {r.status}" for r in rows if not is_reached(r) and "refused" not in r.status]
+    bars = [Bar("causes that sum to the gap within its band", f"{closed[0]} of {len(splits)} states", closed[0] == 16)]
+    return Page([*rows, *(r for s in splits for r in rows_of_split(s))], content, stopped, bars)
+
+
+STUDY: Final = Study(
+    name="outline",
+    title="The gap between closed form and finite elements: outline and model apart",
+    question="How much of the gap is the outline that is meshed, and how much the closed form's mechanics?",
+    template="outline/page.md.j2",
+    cases=cases,
+    solve=solve,
+    page=page,
+)
