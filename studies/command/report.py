@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import click
 from mpi4py import MPI
 
-from studies.command.common import examples, refuse
+from studies.command.common import examples, guarded, refuse
 
 TITLE = "Silicone bellows actuators: closed form beside axisymmetric beside full 3D"
 QUESTION = "What do the models say of these bellows, and how far are they apart?"
@@ -20,7 +21,12 @@ QUESTION = "What do the models say of these bellows, and how far are they apart?
 def report(folder: Path) -> None:
     """Write the report of a study's, batch's or scene's FOLDER anew from the results in it."""
     if MPI.COMM_WORLD.rank == 0:
-        write_reports(folder)
+
+        def work() -> int:
+            write_reports(folder)
+            return 0
+
+        sys.exit(guarded(str(folder), work))
 
 
 def write_reports(folder: Path) -> None:

@@ -9,7 +9,7 @@ from itertools import groupby
 from typing import Final
 
 from analytical.bellows.chains import closed_form
-from analytical.bellows.chains_by_name import PRESSURES_KPA
+from analytical.bellows.chains_by_name import PRESSURES_KPA, printed_mm
 from analytical.bellows.paper import PaperActuator, actuators
 from studies.engine import Bar, Page, Setting, Solved, Study
 from studies.models.axisymmetric import run_axisymmetric
@@ -49,6 +49,25 @@ def value_of(rows: Sequence[Row], scene: str, pressure_kpa: float) -> Row | None
     """Tip of the finest mesh of a scene at a pressure."""
     found = [r for r in rows if (r.scene, r.quantity, r.pressure_kpa) == (scene, "tip_mm", pressure_kpa)]
     return found[-1] if found else None
+
+
+def summary_table(rows: Sequence[Row]) -> Table:
+    """Elongations at all pressures of both outlines and of the closed form, and the printed ones."""
+
+    def tips(actuator: PaperActuator, outline: str) -> str:
+        found = (value_of(rows, f"{actuator.name}-{outline}", p) for p in PRESSURES_KPA)
+        return ", ".join(f"{r.value:.1f}" if r is not None else "–" for r in found)
+
+    columns: dict[str, Callable[[PaperActuator], str]] = {
+        "actuator": lambda a: a.name,
+        "finite elements, as moulded": lambda a: tips(a, MOULDED.name),
+        "finite elements, near the zigzag": lambda a: tips(a, ZIGZAG.name),
+        "closed form": lambda a: ", ".join(
+            f"{u:.1f}" for u in closed_form(a.dimensions, a.law, PRESSURES_KPA).elongation_mm
+        ),
+        "paper at 20 kPa: closed form, ANSYS, test": lambda a: ", ".join(f"{u:g}" for u in printed_mm(a).values()),
+    }
+    return table_of(actuators(), columns, left=(0,))
 
 
 def outlines_table(rows: Sequence[Row], actuator: PaperActuator) -> Table:
@@ -124,6 +143,7 @@ def page(solved: Sequence[Solved[Case, tuple[Row, ...]]], at: Setting) -> Page:
     rest = [abs(sum(s.causes_mm.values()) - (s.elements_mm - s.closed_form_mm)) for s in splits]
     closed = [sum(s.uncertainty_mm >= r for s, r in zip(splits, rest, strict=True))]
     content = {
+        "summary": summary_table(rows),
         "outlines": {a.name: outlines_table(rows, a) for a in actuators()},
         "split": split_table(splits),
         "fed": fed_table(),

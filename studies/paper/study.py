@@ -33,9 +33,11 @@ from studies.report import scene_tables
 from studies.report.numbers import duration
 from studies.report.scene_report import SceneReport
 from studies.report.tables import Table, facts_table
+from studies.results.run_files import SUMMARY_FILE
 from studies.results.runs import finished_run, run_hash
 from studies.scene.bellows import BellowsScene
 from studies.scene.load import load_bellows
+from studies.scene.sections import SceneError
 
 # Cells round the four actuators' bodies: they leave 0.05 % at most there (docs/decisions.md), less than the error model
 # takes for any bellows.
@@ -121,7 +123,25 @@ def solve(case: Case, at: Setting) -> None:
 def page(solved: Sequence[Solved[Case, None]], at: Setting) -> Page:
     """What is in the folder of all parts."""
     results = read_results(at.out, all_cases())
-    return Page(results.rows, content(results, draw_all(at.out, results)), bars=bars(results))
+    told = left_out(at.out, results)
+    shown = content(results, draw_all(at.out, results))
+    return Page(results.rows, shown, bars=bars(results), headlines=told)
+
+
+def left_out(folder: Path, results: PaperResults) -> list[str]:
+    """That runs in the folder are of other scenes or code than today's, and so not in the report; a sentence or none.
+
+    Raises
+    ------
+    SceneError
+        If all are: a report of nothing would take the place of one of them.
+    """
+    there = len(list(folder.glob(f"*/*/*-*/{SUMMARY_FILE}")))
+    read = sum(len(case.axisymmetric) + len(case.sector) + len(case.full3d) for case in results.cases)
+    others = f"{there - read} of {there} runs are of other scenes or other code"
+    if there and not read:
+        raise SceneError(f"{folder}: {others}: nothing is written; `bellowsx study paper` runs them again")
+    return [f"{others}: left out of the report; `bellowsx study paper` runs them again"] if there > read else []
 
 
 def content(results: PaperResults, pictures: Mapping[str, str]) -> dict[str, Any]:

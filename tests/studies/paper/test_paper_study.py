@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 from mpi4py import MPI
 
+from studies.__main__ import main
 from studies.engine import Setting
 from studies.paper import study
 from studies.paper.cases import PARTS, Case, case_text, cases
@@ -81,3 +83,17 @@ def test_every_case_is_a_scene_that_is_accepted(tmp_path: Path, case: Case) -> N
             assert value.items() <= at.items()
         else:
             assert at == value
+
+
+def test_a_folder_of_other_code_is_refused_with_nothing_overwritten(tmp_path: Path) -> None:
+    case = next(c for c in cases("core") if c.scene == "heung-t1-ri5")
+    study.write_scenes(tmp_path, [case])
+    run = tmp_path / case.name / "axisymmetric-r1"
+    run.mkdir(parents=True)
+    older = Path(__file__).parents[1] / "results" / "older"
+    for kept, name in (("summary_of_an_older_run.json", "summary.json"), ("path_of_an_older_run.csv", "path.csv")):
+        (run / name).write_bytes((older / kept).read_bytes())
+    (tmp_path / "report.md").write_text("of then", encoding="utf-8")
+    done = CliRunner().invoke(main, ["report", str(tmp_path)])
+    assert done.exit_code == 2 and "1 of 1 runs are of other scenes or other code" in done.output
+    assert (tmp_path / "report.md").read_text(encoding="utf-8") == "of then"
