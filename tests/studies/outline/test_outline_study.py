@@ -12,11 +12,12 @@ from mpi4py import MPI
 from analytical.bellows.chains import closed_form
 from analytical.bellows.paper import actuators
 from studies.engine import run
-from studies.outline.cases import MOULDED, OUTLINES, cases
+from studies.outline.cases import MOULDED, OUTLINES, ZIGZAG, cases
 from studies.outline.split import CAUSES, free_wall_mm, kinematics_mm, split
 from studies.outline.study import STUDY
 from studies.results.rows import Row, read_rows, row
 from studies.scene.bellows import shape_of
+from studies.scene.load import load_bellows
 
 THIN = actuators()[0]
 
@@ -34,6 +35,16 @@ def test_the_moulded_outline_is_that_of_the_scene(root: Path) -> None:
     # 8.78 mm a half pitch, half a seat included, where the closed form has 7.43
     assert free_wall_mm(shape_of(found.scene)) + 2.0 == pytest.approx(8.78, abs=0.005)
     assert THIN.dimensions.side_length_mm == pytest.approx(7.43, abs=0.005)
+
+
+def test_scenes_near_the_zigzag_are_the_studys(root: Path) -> None:
+    for case in (case for case in cases({}) if case.outline is ZIGZAG):
+        kept = load_bellows(root / "scenes" / "zigzag" / f"{case.actuator.name}.toml")
+        assert (kept.geometry, kept.rings, kept.material) == (
+            case.scene.geometry,
+            case.scene.rings,
+            case.scene.material,
+        )
 
 
 @pytest.mark.parametrize("pressure", [5.0, 20.0])
