@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
+from mpi4py import MPI
 from rich import box
 from rich.console import Console
 from rich.table import Table
@@ -29,8 +30,8 @@ WIDE = 160
 def show(result: SceneResult[Scene]) -> None:
     """Print the answers of a scene."""
     console = Console(highlight=False)
-    if not console.is_terminal:
-        console = Console(highlight=False, width=WIDE)
+    if not console.is_terminal or MPI.COMM_WORLD.size > 1:  # mpirun gives its ranks a terminal that is none
+        console = Console(highlight=False, width=WIDE, force_terminal=False)
     for quantity in dict.fromkeys(row.quantity for row in result.headlines):
         table, against = answers(quantity, result.headlines)
         console.print(f"{result.scene.name}: {quantity_label(quantity)}; in brackets % from {against}", soft_wrap=True)
@@ -51,7 +52,7 @@ def answers(quantity: str, rows: Sequence[Row]) -> tuple[Table, str]:
     table = Table(box=box.SIMPLE)
     table.add_column("kPa", justify="right")
     for model in models:
-        table.add_column(run_label(model, levels[model]), justify="right")
+        table.add_column(run_label(model, levels[model]), justify="right", no_wrap=True)
     if exact:
         table.add_column("reference", justify="right")
     for pressure in dict.fromkeys(row.pressure_kpa for row in of_it):
