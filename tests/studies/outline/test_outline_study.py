@@ -86,6 +86,6 @@ def test_report_of_one_convolution(tmp_path: Path) -> None:
     study = dataclasses.replace(STUDY, cases=small)
     assert run(study, tmp_path, MPI.COMM_WORLD, {}) == 3  # most of the sixteen states are missing, which is said
     text = (tmp_path / "report.md").read_text(encoding="utf-8")
-    assert "0 of 16 states | NOT MET" in text and "heung-t2-ri7-fillet-1: geometry:" in text
+    assert "0 of 16 gaps | NOT MET" in text and "heung-t2-ri7-fillet-1: geometry:" in text
     tips = [r for r in read_rows(tmp_path / "rows.csv") if r.quantity == "tip_mm" and r.status == "reached"]
     assert {r.level for r in tips} == {"r1", "r2"} and all(r.uncertainty >= 0.0 for r in tips)
