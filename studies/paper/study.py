@@ -24,7 +24,7 @@ from studies.paper.acceptance import bars, misses
 from studies.paper.cases import AUDIT_BODY_LEVEL, PARTS, Case, Group, case_text
 from studies.paper.cases import cases as all_cases
 from studies.paper.claims import claims
-from studies.paper.pictures import STATES, draw_all
+from studies.paper.drawing.pictures import STATES, draw_all
 from studies.paper.results import CaseResult, PaperResults, read_results
 from studies.paper.summary import in_short, notes, stops
 from studies.planning.bellows import SECTOR_LEVELS, plan_bellows

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
-from studies.paper import panels, plots
 from studies.paper.cases import Case, Group, case_text, cases
+from studies.paper.drawing import panels, plots
 from studies.paper.results import CaseResult, PaperResults
 from studies.report.style import figure_file
 from studies.results.rows import FOLDED_BACK, REACHED, Row, row

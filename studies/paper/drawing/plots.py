@@ -16,7 +16,7 @@ from matplotlib.ticker import FuncFormatter
 
 from analytical.bellows.chains_by_name import SILICONES, STRETCH_AT_BREAK
 from studies.paper.cases import HIGHEST_KPA, REFERENCE_SCENES, RING_VARIANTS
-from studies.paper.panels import (
+from studies.paper.drawing.panels import (
     SCALE,
     SMALL,
     TITLE,

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from studies.paper import panels, plots
 from studies.paper.cases import HIGHEST_KPA, REFERENCE_SCENES
+from studies.paper.drawing import panels, plots
 from studies.paper.results import CaseResult, PaperResults, is_known
 from studies.report import curves, style
 from studies.report.drawn import key_of, once
