@@ -14,68 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshes.errors import GeometryError
+from meshes.fold import Piece, half_fold
+from meshes.shape import BellowsShape
 
 FloatArray = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class BellowsShape:
-    """Dimensions of a bellows with a solid end cap or an open distal end, all in mm.
-
-    Attributes
-    ----------
-    root_radius_mm, crest_radius_mm
-        Cavity-side radii R_i at the roots and R_p at the crests.
-    wall_mm
-        Wall thickness t, measured normal to the wall.
-    half_pitch_mm
-        Axial distance e from a crest's middle to the next root's middle.
-    convolutions
-        Number n of roots; there are n + 1 crests, each with a ring seat.
-    collar_mm
-        Straight length beyond the middle of the first and the last crest.
-    seat_mm
-        Axial width of the cylindrical ring seat at each crest (r = R_p + t on the outside).
-    fillet_mm
-        Radius of every concave surface (cavity side at crests and cap, outside at roots).
-    cap_mm
-        Thickness of the end cap; 0 leaves the distal end open, its annulus flat at ``cavity_length_mm``.
-    """
-
-    root_radius_mm: float
-    crest_radius_mm: float
-    wall_mm: float
-    half_pitch_mm: float
-    convolutions: int
-    collar_mm: float
-    seat_mm: float
-    fillet_mm: float
-    cap_mm: float
-
-    @property
-    def has_cap(self) -> bool:
-        """False for an open distal end."""
-        return self.cap_mm > 0.0
-
-    @property
-    def centreline_radius_mm(self) -> float:
-        """Radius of the centreline's arcs: a concave surface of radius ``fillet_mm`` half a wall away."""
-        return self.fillet_mm + 0.5 * self.wall_mm
-
-    @property
-    def crest_positions_mm(self) -> FloatArray:
-        """Axial positions of the crests' middles, shape (n + 1,)."""
-        return self.collar_mm + 2.0 * self.half_pitch_mm * np.arange(self.convolutions + 1)
-
-    @property
-    def cavity_length_mm(self) -> float:
-        """Distance from the inlet plane z = 0 to the cap's cavity side."""
-        return 2.0 * self.collar_mm + 2.0 * self.half_pitch_mm * self.convolutions
-
-    @property
-    def seat_radius_mm(self) -> float:
-        """Outer radius of the ring seats."""
-        return self.crest_radius_mm + self.wall_mm
 
 
 @dataclass(frozen=True)
@@ -137,50 +79,6 @@ class Segment:
         return centre - 0.5 * self.wall_mm * normal, centre + 0.5 * self.wall_mm * normal
 
 
-def side_angle(shape: BellowsShape) -> float:
-    """Inclination of the straight side to the axis, so that flats, arcs and side fill half a pitch.
-
-    Solves, with arcs of centreline radius rho on both ends and a side of length L,
-    ``2 rho sin(phi) + L cos(phi) = e - w/2`` and ``2 rho (1 - cos(phi)) + L sin(phi) = R_p - R_i``.
-
-    Returns
-    -------
-    float
-        phi in radians, in (0, pi/2].
-
-    Raises
-    ------
-    GeometryError
-        If no angle up to 90 degrees fits, naming the violated inequality.
-    """
-    rho = shape.centreline_radius_mm
-    room = shape.half_pitch_mm - 0.5 * shape.seat_mm
-    drop = shape.crest_radius_mm - shape.root_radius_mm
-    if room < 2.0 * rho - 1e-12:
-        raise GeometryError(
-            f"half_pitch_mm = {shape.half_pitch_mm:g} leaves {room:g} mm beside half a seat; two arcs need "
-            f"half_pitch >= seat/2 + 2 fillet + wall = {0.5 * shape.seat_mm + 2.0 * rho:g} mm: lengthen the "
-            "pitch, or take a narrower seat, a smaller fillet or a thinner wall"
-        )
-    if drop < 2.0 * rho - 1e-12:
-        raise GeometryError(
-            f"crest_radius_mm - root_radius_mm = {drop:g} mm is less than two arcs need, "
-            f"2 fillet + wall = {2.0 * rho:g} mm: take deeper convolutions, a smaller fillet or a thinner wall"
-        )
-
-    def excess(phi: float) -> float:
-        length = (drop - 2.0 * rho * (1.0 - math.cos(phi))) / math.sin(phi)
-        return 2.0 * rho * math.sin(phi) + length * math.cos(phi) - room
-
-    if excess(0.5 * math.pi) > -1e-12:
-        return 0.5 * math.pi
-    low, high = 1e-6, 0.5 * math.pi
-    for _ in range(200):  # bisection to the last bit: the function falls from +inf to a negative value
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if excess(middle) > 0.0 else (low, middle)
-    return 0.5 * (low + high)
-
-
 def check_shape(shape: BellowsShape) -> None:
     """Refuse a shape that cannot be built.
 
@@ -213,7 +111,7 @@ def check_shape(shape: BellowsShape) -> None:
         raise GeometryError(
             f"fillet_mm = {shape.fillet_mm:g} must be less than crest_radius_mm = {shape.crest_radius_mm:g}"
         )
-    side_angle(shape)
+    half_fold(shape)
 
 
 def wall_segments(shape: BellowsShape) -> list[Segment]:
@@ -224,36 +122,31 @@ def wall_segments(shape: BellowsShape) -> list[Segment]:
     list of Segment
         In order of the centreline's arc length; neighbouring pieces share their end points and tangents.
     """
-    phi = side_angle(shape)
-    rho = shape.centreline_radius_mm
     t, half_seat = shape.wall_mm, 0.5 * shape.seat_mm
-    crest_r = shape.crest_radius_mm + 0.5 * t
-    drop = shape.crest_radius_mm - shape.root_radius_mm
-    side_length = (drop - 2.0 * rho * (1.0 - math.cos(phi))) / math.sin(phi)
+    down = half_fold(shape)
+    up = [Piece(p.kind, p.length_mm, -p.end_rad, -p.start_rad) for p in reversed(down)]
 
     segments: list[Segment] = []
-    position = (crest_r, 0.0)
+    position = (shape.crest_radius_mm + 0.5 * t, 0.0)
 
     def add(kind: str, length: float, angle_0: float, angle_1: float, index: int) -> None:
         nonlocal position
         if length <= 1e-9:
             return
-        piece = Segment(kind, length, abs(angle_1 - angle_0), position, t, angle_0, angle_1, index)
-        inner, outer = piece.band(np.array([1.0]))
+        segment = Segment(kind, length, abs(angle_1 - angle_0), position, t, angle_0, angle_1, index)
+        inner, outer = segment.band(np.array([1.0]))
         centre = 0.5 * (inner[0] + outer[0])
         position = (float(centre[0]), float(centre[1]))
-        segments.append(piece)
+        segments.append(segment)
 
     add("collar", shape.collar_mm - half_seat, 0.0, 0.0, 0)
     add("seat", half_seat, 0.0, 0.0, 0)
     for k in range(shape.convolutions):
         add("seat", half_seat, 0.0, 0.0, k)
-        add("crest", rho * phi, 0.0, phi, k)
-        add("side", side_length, phi, phi, k)
-        add("root", rho * phi, phi, 0.0, k)
-        add("root", rho * phi, 0.0, -phi, k)
-        add("side", side_length, -phi, -phi, k)
-        add("crest", rho * phi, -phi, 0.0, k + 1)
+        for piece in down:
+            add(piece.kind, piece.length_mm, piece.start_rad, piece.end_rad, k)
+        for piece in up:
+            add(piece.kind, piece.length_mm, piece.start_rad, piece.end_rad, k + (piece.kind == "crest"))
         add("seat", half_seat, 0.0, 0.0, k + 1)
     add("seat", half_seat, 0.0, 0.0, shape.convolutions)
     corner = shape.fillet_mm if shape.has_cap else 0.0

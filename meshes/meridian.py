@@ -13,18 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshes.bellows import (
-    BellowsShape,
-    FloatArray,
-    cap_band,
-    check_shape,
-    corner_band,
-    wall_segments,
-)
+from meshes.bellows import FloatArray, cap_band, check_shape, corner_band, wall_segments
 from meshes.by_gmsh.ring import RingShape, ring_triangles
 from meshes.cells import QUADRILATERAL_NODES, CellKind
 from meshes.errors import GeometryError
 from meshes.quality import jacobians
+from meshes.shape import BellowsShape
 from meshes.solid import FACETS, REGIONS, TRIANGLE_EDGES, IntArray, SolidMesh
 
 

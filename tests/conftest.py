@@ -17,10 +17,10 @@ import numpy as np
 import pytest
 
 import solvers  # noqa: F401 - before dolfinx, PETSc and MPI, see there
-from meshes.bellows import BellowsShape
 from meshes.cells import HEXAHEDRON_NODES, QUADRILATERAL_NODES
 from meshes.meridian import Resolution, meridian_mesh
 from meshes.revolve import revolve
+from meshes.shape import BellowsShape
 from meshes.solid import TETRAHEDRON_EDGES, TRIANGLE_EDGES, SolidMesh
 from studies import mpi_children
 

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 from analytical.bellows.chains import closed_form
 from analytical.bellows.dimensions import BellowsDimensions
 from analytical.bellows.paper import PaperActuator
-from meshes.bellows import BellowsShape, wall_segments
+from meshes.bellows import wall_segments
+from meshes.shape import BellowsShape
 from studies.outline.cases import FILLETS, MOULDED, RIGID_TIP, ZIGZAG
 from studies.results.rows import Row
 

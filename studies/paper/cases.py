@@ -12,11 +12,13 @@ from studies.planning.levels import MERIDIANS, BodyLevel
 from studies.results import provenance
 from studies.scene.text import changed_text
 
-Group = Literal["core", "tets", "alternates", "beyond", "convention", "silicone", "blocked", "rings", "bond", "audit"]
+Group = Literal[
+    "core", "zigzag", "tets", "alternates", "beyond", "convention", "silicone", "blocked", "rings", "bond", "audit"
+]
 
 # Parts that can be run alone.
 PARTS: Final[Mapping[str, tuple[Group, ...]]] = {
-    "core": ("core",),
+    "core": ("core", "zigzag"),
     "variants": ("tets", "alternates", "beyond", "convention", "silicone", "blocked", "rings", "bond"),
     "audit": ("audit",),
 }
@@ -138,6 +140,9 @@ def _actuators() -> Iterator[Case]:
     """The actuators of every set, those of the reference by every model."""
     for name in REFERENCE_SCENES:
         yield Case("core", name, name, "reference", {"ask.tolerance_percent": CORE_TOLERANCE_PERCENT}, full3d=True)
+    for name in REFERENCE_SCENES:
+        tolerance = {"ask.tolerance_percent": CORE_TOLERANCE_PERCENT, "ask.fields": False}
+        yield Case("zigzag", f"{name}-zigzag", f"zigzag/{name}", "near the zigzag", tolerance, full3d=True)
     for base in REFERENCE_SCENES:
         in_tets = {"mesh.element": "tet", "ask.fields": False}
         yield _variant("tets", base, "tets", "tetrahedra", in_tets, full3d=True)

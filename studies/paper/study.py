@@ -43,7 +43,7 @@ from studies.scene.sections import SceneError
 # takes for any bellows.
 CORE_AROUND: Final = (8,)
 # Cases whose states are counted by harmonic: those that somebody may build, and those that bend sideways.
-COUNTED_GROUPS: Final = ("core", "blocked")
+COUNTED_GROUPS: Final = ("core", "zigzag", "blocked")
 
 
 def cases(options: Mapping[str, Any]) -> tuple[Case, ...]:
@@ -109,7 +109,7 @@ def solve(case: Case, at: Setting) -> None:
         base = place / f"axisymmetric-r{level.meridian}"
         run_full3d(scene, "full3d", level, base, place / f"full3d-{level.name}", at.comm, at.progress, ())
         return
-    if case.group == "core":
+    if case.group in ("core", "zigzag"):
         plan = plan_bellows(scene, "full3d", CORE_AROUND, SECTOR_LEVELS, every_level=True)
     else:  # beside those, for other elements or a count of modes; finer takes up to 10 GB
         plan = plan_bellows(scene, "full3d", (), (), every_level=True)

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from analytical.bellows.dimensions import BellowsDimensions
 from analytical.laws.stiff import PLA, POLYETHYLENE, StiffSolid
-from meshes.bellows import BellowsShape, check_shape
+from meshes.bellows import check_shape
 from meshes.by_gmsh.ring import RingShape
 from meshes.errors import GeometryError
+from meshes.shape import BellowsShape
 from studies.scene.elements import Mesh, element_faults
 from studies.scene.materials import NeoHookeMaterial, OgdenMaterial, YeohMaterial, describe_material, material_faults
 from studies.scene.sections import Length, Section, Stiffness
@@ -26,15 +27,25 @@ RING_ERROR_PERCENT = {"pla": 0.005, "polyethylene": 0.04}
 RING_SHARE = 0.1
 
 
+# A zigzag's straight walls still need some fillet and seat: the least that are meshed here. The paper's has neither.
+ZIGZAG_FILLET_MM, ZIGZAG_SEAT_MM = 0.1, 0.5
+
 # What may be requested of a tip.
 TipQuantity = Literal["tip_mm", "tip_force_n"]
 
 
 class Geometry(Section):
-    """The bellows, mm; radii are cavity-side, the wall is measured normal to itself."""
+    """The bellows, mm; radii are cavity-side, the wall is measured normal to itself.
+
+    ``arcs``: as it could be moulded, straight sides between rounded crests and roots; ``zigzag``: as near as can be
+    built to the straight lines from root to crest of the paper's figure 2, with the least fillets and seats;
+    ``polyline``: sides that bend at points of one's own, on the wall's middle between a crest and the next root: axial
+    distance from the crest's middle, and radius.
+    """
 
     kind: Literal["bellows"]
-    profile: Literal["arcs"] = "arcs"
+    profile: Literal["arcs", "zigzag", "polyline"] = "arcs"
+    points_mm: Annotated[list[tuple[Length, Length]], Field(max_length=50)] = []
     root_radius_mm: Length
     crest_radius_mm: Length
     wall_mm: Length
@@ -45,6 +56,32 @@ class Geometry(Section):
     tip: Literal["cap", "rigid"] = "cap"  # rigid: a plate bonded to the open end; cap_mm has no meaning then
     cap_mm: Length = 5.0
     eccentricity: Annotated[float, Field(ge=0.0, le=0.5)] = 0.0  # how far the core sat off the axis, of the wall
+
+    @model_validator(mode="before")
+    @classmethod
+    def _least_fillets(cls, data: Any) -> Any:
+        if isinstance(data, dict) and data.get("profile") == "zigzag":
+            return {"fillet_mm": ZIGZAG_FILLET_MM, **data}
+        return data
+
+    @model_validator(mode="after")
+    def _profile_has_its_keys(self) -> Geometry:
+        if self.profile == "zigzag" and self.fillet_mm != ZIGZAG_FILLET_MM:
+            raise ValueError(
+                f"geometry.fillet_mm = {self.fillet_mm:g}: a zigzag has the least, {ZIGZAG_FILLET_MM:g} mm: "
+                'leave the key out, or set geometry.profile = "arcs"'
+            )
+        if self.profile == "polyline" and not self.points_mm:
+            raise ValueError(
+                'geometry.profile = "polyline": needs geometry.points_mm, points [axial distance from the crest\'s '
+                "middle, radius] of the wall's middle line between a crest and the next root"
+            )
+        if self.profile != "polyline" and self.points_mm:
+            raise ValueError(
+                f"geometry.points_mm = {self.points_mm}: of a polyline only: leave the key out, or set "
+                'geometry.profile = "polyline"'
+            )
+        return self
 
 
 class Rings(Section):
@@ -122,6 +159,15 @@ class BellowsScene(Section):
     contact: Contact = Contact()
     ask: Ask = Ask()
 
+    @model_validator(mode="before")
+    @classmethod
+    def _least_seats(cls, data: Any) -> Any:
+        geometry = data.get("geometry") if isinstance(data, dict) else None
+        if not (isinstance(geometry, dict) and geometry.get("profile") == "zigzag"):
+            return data
+        rings = data.get("rings", {})
+        return {**data, "rings": {"seat_mm": ZIGZAG_SEAT_MM, **rings}} if isinstance(rings, dict) else data
+
     @model_validator(mode="after")
     def _settle_rings(self) -> BellowsScene:
         """``auto`` rings become rigid or meshed here, so that nothing after has to ask."""
@@ -196,6 +242,7 @@ def shape_of(scene: BellowsScene) -> BellowsShape:
         seat_mm=0.0 if scene.rings.model == "none" else scene.rings.seat_mm,
         fillet_mm=g.fillet_mm,
         cap_mm=g.cap_mm if g.tip == "cap" else 0.0,
+        bends_mm=tuple(g.points_mm),
     )
 
 
@@ -246,7 +293,7 @@ def bellows_faults(scene: BellowsScene) -> list[str]:
     try:
         check_shape(shape_of(scene))
     except GeometryError as error:
-        faults.append(f"geometry: {error}")
+        faults.append(f"geometry: {error}".replace("bends_mm", "points_mm"))
     rings = scene.rings
     if rings.model == "meshed" and rings.edge_radius_mm >= min(rings.height_mm, 0.5 * rings.seat_mm):
         faults.append(

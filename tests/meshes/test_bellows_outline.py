@@ -8,16 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from meshes.bellows import (
-    BellowsShape,
-    Segment,
-    cap_band,
-    check_shape,
-    corner_band,
-    side_angle,
-    wall_segments,
-)
+from meshes.bellows import Segment, cap_band, check_shape, corner_band, wall_segments
 from meshes.errors import GeometryError
+from meshes.fold import side_angle
+from meshes.shape import BellowsShape
 
 SHAPES = (
     BellowsShape(5.0, 10.5, 1.0, 5.0, 8, 3.0, 4.0, 0.5, 5.0),  # the reference

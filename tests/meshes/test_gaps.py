@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from meshes.bellows import BellowsShape
 from meshes.cells import CellKind
 from meshes.gaps import Outline, outlines, ring_section, smallest_gap, smallest_gap_to_ring
 from meshes.meridian import default_resolution, meridian_mesh
+from meshes.shape import BellowsShape
 
 
 def u_shape(gap_mm: float) -> tuple[Outline, np.ndarray]:

@@ -7,10 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from meshes.bellows import BellowsShape, side_angle
 from meshes.errors import GeometryError
+from meshes.fold import side_angle
 from meshes.meridian import Resolution, default_resolution, meridian_mesh
 from meshes.quality import jacobians, mesh_quality, region_volumes_mm3
+from meshes.shape import BellowsShape
 from meshes.solid import FACETS, REGIONS, TRIANGLE_EDGES, SolidMesh
 
 SHAPES = {

@@ -9,12 +9,12 @@ import sys
 import numpy as np
 import pytest
 
-from meshes.bellows import BellowsShape
 from meshes.by_gmsh.ring import RingShape, ring_triangles
 from meshes.errors import GeometryError, MeshError
 from meshes.meridian import default_resolution, meridian_mesh
 from meshes.quality import jacobians, region_volumes_mm3
 from meshes.revolve import revolve
+from meshes.shape import BellowsShape
 from meshes.solid import FACETS, REGIONS, SolidMesh
 
 RING = RingShape(height_mm=2.0, edge_radius_mm=0.5)

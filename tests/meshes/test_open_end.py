@@ -8,11 +8,11 @@ import math
 import numpy as np
 import pytest
 
-from meshes.bellows import BellowsShape
 from meshes.errors import GeometryError
 from meshes.meridian import CellKind, Resolution, meridian_mesh
 from meshes.quality import region_volumes_mm3
 from meshes.revolve import revolve
+from meshes.shape import BellowsShape
 from meshes.solid import FACETS
 from meshes.sweep import revolve_hexahedra
 

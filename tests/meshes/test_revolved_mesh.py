@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from meshes.bellows import BellowsShape
 from meshes.errors import GeometryError
 from meshes.meridian import Resolution, default_resolution, meridian_mesh
 from meshes.quality import jacobians, mesh_quality, region_volumes_mm3
 from meshes.revolve import revolve, revolve_vector
+from meshes.shape import BellowsShape
 from meshes.solid import FACETS, TETRAHEDRON_EDGES, SolidMesh
 
 AROUND = 8

@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from meshes.bellows import BellowsShape
 from meshes.by_gmsh.ring import RingShape
 from meshes.errors import GeometryError, MeshError
 from meshes.meridian import Resolution, default_resolution, meridian_mesh
 from meshes.quality import jacobians, mesh_quality, region_volumes_mm3
 from meshes.revolve import revolve_scalar, revolve_vector
+from meshes.shape import BellowsShape
 from meshes.solid import FACETS, SolidMesh
 from meshes.sweep import FULL_CIRCLE, revolve_hexahedra
 

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from analytical.laws.silicones import DRAGON_SKIN_10
-from meshes.bellows import BellowsShape, cap_band, corner_band, wall_segments
+from meshes.bellows import cap_band, corner_band, wall_segments
 from meshes.revolve import revolve
+from meshes.shape import BellowsShape
 from meshes.solid import FACETS, SolidMesh
 from solvers.problem import Problem
 from solvers.state import State

@@ -9,8 +9,8 @@ import numpy as np
 from mpi4py import MPI
 
 from analytical.laws.silicones import DRAGON_SKIN_10
-from meshes.bellows import BellowsShape
 from meshes.meridian import Resolution, meridian_mesh
+from meshes.shape import BellowsShape
 from meshes.solid import FACETS
 from meshes.sweep import revolve_hexahedra
 from solvers.assembly.surfaces import Surfaces

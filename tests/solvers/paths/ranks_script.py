@@ -14,9 +14,9 @@ from mpi4py import MPI
 
 from analytical.laws.isotropic import Law, NeoHooke
 from analytical.laws.silicones import DRAGON_SKIN_10
-from meshes.bellows import BellowsShape
 from meshes.meridian import Resolution, meridian_mesh
 from meshes.revolve import revolve, revolve_scalar, revolve_vector
+from meshes.shape import BellowsShape
 from meshes.solid import FACETS, SolidMesh
 from meshes.sweep import revolve_hexahedra
 from solvers.assembly.surfaces import Surfaces

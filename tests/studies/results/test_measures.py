@@ -13,7 +13,8 @@ from mpi4py import MPI
 
 from analytical.bellows.chains import closed_form
 from analytical.bellows.loads import held_tip
-from meshes.bellows import BellowsShape, wall_segments
+from meshes.bellows import wall_segments
+from meshes.shape import BellowsShape
 from solvers.state import State
 from studies.models.axisymmetric import run_axisymmetric
 from studies.progress import Progress

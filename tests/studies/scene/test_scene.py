@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -120,3 +121,33 @@ def test_rings_are_meshed_only_where_the_tolerance_needs_it(tmp_path, material, 
     path = tmp_path / "rings.toml"
     path.write_text(text.replace("tolerance_percent = 1.0", f"tolerance_percent = {tolerance}"), encoding="utf-8")
     assert load_bellows(path).rings.model == model
+
+
+def test_a_zigzag_has_the_least_fillets_and_seats_and_the_same_dimensions() -> None:
+    for moulded in sorted((ROOT / "scenes").glob("heung-t?-ri?.toml")):
+        one, other = load_bellows(moulded), load_bellows(ROOT / "scenes" / "zigzag" / moulded.name)
+        found, known = shape_of(other), shape_of(one)
+        assert (found.fillet_mm, found.seat_mm) == (0.1, 0.5)
+        assert replace(found, fillet_mm=known.fillet_mm, seat_mm=known.seat_mm) == known
+        assert other.name == f"{one.name}-zigzag"
+
+
+def test_sides_bend_at_points_of_ones_own(changed) -> None:
+    scene = load_bellows(changed('profile = "arcs"', 'profile = "polyline"\npoints_mm = [[4.0, 9.0]]'))
+    assert shape_of(scene).bends_mm == ((4.0, 9.0),)
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ('profile = "zigzag"', "geometry.fillet_mm = 0.5: a zigzag has the least, 0.1 mm"),
+        ('profile = "polyline"', "needs geometry.points_mm"),
+        ("points_mm = [[4.0, 9.0]]", 'geometry.profile = "polyline"'),
+        ('profile = "polyline"\npoints_mm = [[7.0, 9.0]]', r"points_mm = \[7, 9\]: a bend lies between crest and root"),
+        ('profile = "polyline"\npoints_mm = [[-1.0, 9.0]]', "geometry.points_mm.0.0 = -1.0"),
+        ('profile = "spline"', "allowed: 'arcs', 'zigzag' or 'polyline'"),
+    ],
+)
+def test_a_profile_has_its_own_keys(changed, keys: str, said: str) -> None:
+    with pytest.raises(SceneError, match=said):
+        load_bellows(changed('profile = "arcs"', keys))
