@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Final, TypeVar
 
 from analytical.bellows import paper
@@ -13,12 +15,40 @@ from studies.scene.load import load_bellows
 from studies.sweep.csv_table import CHAINS, SweepRow
 from studies.sweep.rules import LIMIT_PERCENT, Point
 
-SWEEP_FILE: Final = provenance.ROOT / "sweeps" / "heung-map.toml"
 BASE: Final = provenance.ROOT / "scenes" / "heung-t1-ri5.toml"
 ROOT_KEY, WALL_KEY, COUNT_KEY = "geometry.root_radius_mm", "geometry.wall_mm", "geometry.convolutions"
 # Convolutions of the maps: the reference actuators'.
 MAP_COUNT: Final = paper.REFERENCE_FAMILY.convolutions
 _SILICONE_BY_LAW: Final[dict[str, paper.Silicone]] = {"yeoh": "dragon-skin-10", "ogden": "dragon-skin-30"}
+
+
+@dataclass(frozen=True)
+class Outline:
+    """The designs with one outline.
+
+    Attributes
+    ----------
+    name
+        Of its folder and pictures.
+    text
+        For headings.
+    file
+        Its sweep.
+    """
+
+    name: str
+    text: str
+    file: Path
+
+
+OUTLINES: Final = (
+    Outline("moulded", "as moulded: fillets 0.5, seats 4 mm", provenance.ROOT / "sweeps" / "heung-map.toml"),
+    Outline(
+        "zigzag",
+        "near the paper's zigzag: fillets 0.1, seats 0.5 mm",
+        provenance.ROOT / "sweeps" / "heung-map-zigzag.toml",
+    ),
+)
 
 Key = TypeVar("Key")
 Design = tuple[float, float]

@@ -23,9 +23,10 @@ from studies.sweep.designs import (
     BASE,
     COUNT_KEY,
     MAP_COUNT,
+    OUTLINES,
     ROOT_KEY,
-    SWEEP_FILE,
     WALL_KEY,
+    Outline,
     is_mapped,
     points,
     pressures,
@@ -36,47 +37,58 @@ from studies.sweep.plots import Kind, MapPanel, draw_design_maps
 from studies.sweep.rules import LIMIT_PERCENT
 
 
-def cases(options: Mapping[str, Any]) -> list[Path]:
-    """The one sweep."""
-    return [SWEEP_FILE]
+def cases(options: Mapping[str, Any]) -> tuple[Outline, ...]:
+    """The designs with both outlines."""
+    return OUTLINES
 
 
-def solve(file: Path, at: Setting) -> SweepOutcome:
-    """All its scenes, shared out over the ranks."""
-    return run_sweep(file, at.out, at.comm, at.progress)
+def solve(outline: Outline, at: Setting) -> SweepOutcome:
+    """All scenes of an outline, shared out over the ranks."""
+    return run_sweep(outline.file, at.out / outline.name, at.comm, at.progress)
 
 
-def page(solved: Sequence[Solved[Path, SweepOutcome]], at: Setting) -> Page:
-    """Maps, tables and rules from the table of the sweep."""
-    rows = read_table(at.out / TABLE_FILE)
+def page(solved: Sequence[Solved[Outline, SweepOutcome]], at: Setting) -> Page:
+    """Maps, tables and rules of each outline from the tables of the sweeps."""
+    tables_of = {done.case: read_table(at.out / done.case.name / TABLE_FILE) for done in solved}
+    every = [row for rows in tables_of.values() for row in rows]
+    dimensions = dimensions_of(load_bellows(BASE))
+    content = {
+        "sizes": f"R<sub>p</sub> = {dimensions.crest_radius_mm:g} mm, e = {dimensions.half_pitch_mm:g} mm",
+        "roots": _swept(every, ROOT_KEY),
+        "walls": _swept(every, WALL_KEY),
+        "counts": _swept(every, COUNT_KEY),
+        "pressures": ", ".join(f"{pressure:g}" for pressure in pressures(r for r in every if r.status == REACHED)),
+        "map_count": MAP_COUNT,
+        "limit": f"{LIMIT_PERCENT:g}",
+        "outlines": [_of_outline(done, tables_of[done.case], at.out) for done in solved],
+        "solved": duration(sum(done.result.solved_s for done in solved)),
+    }
+    return Page([line for row in every for line in comparison_rows(row)], content, words.unreached(every))
+
+
+def _of_outline(done: Solved[Outline, SweepOutcome], rows: Sequence[SweepRow], folder: Path) -> dict[str, Any]:
+    """What the page shows of an outline."""
     reached = [row for row in rows if row.status == REACHED]
     mapped = [row for row in reached if is_mapped(row)]
     known, others = points(mapped), points([row for row in reached if not is_mapped(row)])
     rules = tables.find_rules(known)
-    dimensions = dimensions_of(load_bellows(BASE))
     uncertain = [100.0 * row.uncertainty / abs(row.axisymmetric) for row in reached]
     percents = [row.closed_form_percent for row in mapped]
     low, high = sum(p < -LIMIT_PERCENT for p in percents), sum(p > LIMIT_PERCENT for p in percents)
-    outcome = solved[0].result
-    content = {
-        "sizes": f"R<sub>p</sub> = {dimensions.crest_radius_mm:g} mm, e = {dimensions.half_pitch_mm:g} mm",
-        "roots": _swept(rows, ROOT_KEY),
-        "walls": _swept(rows, WALL_KEY),
-        "counts": _swept(rows, COUNT_KEY),
-        "pressures": ", ".join(f"{pressure:g}" for pressure in pressures(reached)),
-        "map_count": MAP_COUNT,
-        "limit": f"{LIMIT_PERCENT:g}",
+    return {
+        "outline": done.case,
         "states": len(mapped),
         "low": low,
         "high": high,
         "share": f"{100.0 * (low + high) / len(mapped):.0f}",
-        "worst": signed(max(percents, key=abs)),
+        "median": signed(float(np.median(percents))),
+        "range": f"{signed(min(percents))} to {signed(max(percents))}",
         "trusted": words.trusted(mapped),
         "shares": tables.shares(mapped),
         "by_state": tables.by_state(mapped),
         "rules": tables.rules(rules, known, others),
         "rule": words.rule_words(rules[-1], known, others),
-        "maps": _draw_maps(at.out, rows, mapped),
+        "maps": _draw_maps(folder, done.case.name, rows, mapped),
         "per_convolution": tables.per_convolution(reached),
         "convolution_words": words.of_convolutions(reached),
         "refusals": tables.refusals(rows),
@@ -84,17 +96,15 @@ def page(solved: Sequence[Solved[Path, SweepOutcome]], at: Setting) -> Page:
         "typical": f"{np.median(uncertain):.2f}",
         "levels": words.levels(reached),
         "unstable": sum(row.unstable_modes > 0.0 for row in reached),
-        "outcome": outcome,
-        "solved": duration(outcome.solved_s),
+        "outcome": done.result,
     }
-    return Page([line for row in rows for line in comparison_rows(row)], content, words.unreached(rows))
 
 
 def _swept(rows: Sequence[SweepRow], key: str) -> str:
     return ", ".join(f"{value:g}" for value in sorted({row.values[key] for row in rows}))
 
 
-def _draw_maps(folder: Path, rows: Sequence[SweepRow], mapped: Sequence[SweepRow]) -> dict[str, str]:
+def _draw_maps(folder: Path, outline: str, rows: Sequence[SweepRow], mapped: Sequence[SweepRow]) -> dict[str, str]:
     """Draw the maps; their places by what they show."""
     roots = np.array(sorted({row.values[ROOT_KEY] for row in rows if is_mapped(row)}))
     walls = np.array(sorted({row.values[WALL_KEY] for row in rows if is_mapped(row)}))
@@ -113,8 +123,8 @@ def _draw_maps(folder: Path, rows: Sequence[SweepRow], mapped: Sequence[SweepRow
 
     def draw(name: str, kind: Kind, value: Callable[[SweepRow], float], label: str) -> str:
         lines = [[panel(s, pressure, value) for pressure in pressures(mapped)] for s in SILICONES.values()]
-        draw_design_maps(folder / "pictures" / f"{name}.png", lines, kind, label)
-        return f"pictures/{name}.png"
+        draw_design_maps(folder / "pictures" / f"{outline}-{name}.png", lines, kind, label)
+        return f"pictures/{outline}-{name}.png"
 
     elongation = f"elongation at the tip by finite elements, n = {MAP_COUNT}, mm"
     found = {"elongation": draw("elongation", "elongation", attrgetter("axisymmetric"), elongation)}
