@@ -22,7 +22,7 @@ from studies.scene.load import Scene
 # The models whose result is the answer, the best first.
 BEST = ("full3d", "sector", "axisymmetric")
 # Other readings of the closed form; they are in rows.csv.
-OTHER_CHAINS = ("closed_form_printed", "closed_form_balanced", "closed_form_seat")
+OTHER_CHAINS = ("closed_form_printed", "closed_form_balanced", "closed_form_seat", "closed_form_outline")
 # A table that does not go to a terminal is not broken into lines.
 WIDE = 160
 

@@ -15,8 +15,6 @@ from dataclasses import dataclass
 from analytical.bellows.chains import closed_form
 from analytical.bellows.dimensions import BellowsDimensions
 from analytical.bellows.paper import PaperActuator
-from meshes.bellows import wall_segments
-from meshes.shape import BellowsShape
 from studies.outline.cases import FILLETS, MOULDED, RIGID_TIP, ZIGZAG
 from studies.results.rows import Row
 
@@ -90,26 +88,3 @@ def split(rows: Sequence[Row], actuator: PaperActuator, pressure_kpa: float) -> 
         {name: before - after for name, before, after in zip(CAUSES, steps, steps[1:], strict=False)},
         root >= d.unfolded_root_stretch * (1.0 - 1e-12),
     )
-
-
-def free_wall_mm(shape: BellowsShape) -> float:
-    """Length of the centreline between a seat and the middle of the next root, mm."""
-    pieces = [s.length_mm for s in wall_segments(shape) if s.kind in ("crest", "side", "root")]
-    return sum(pieces) / (2.0 * shape.convolutions)
-
-
-def fed_mm(actuator: PaperActuator, shape: BellowsShape, pressure_kpa: float) -> tuple[float, float]:
-    """The closed form fed with an outline's free wall and half pitch, mm: as it stands, and less its slack at rest.
-
-    The free wall is longer than the straight line it is put on, so the formula is longer than the bellows before there
-    is any pressure: that slack is what unbending could give.
-    """
-    d, chain = actuator.dimensions, closed_form(actuator.dimensions, actuator.law, pressure_kpa)
-    length, half_pitch = free_wall_mm(shape), shape.half_pitch_mm - 0.5 * shape.seat_mm
-
-    def elongation(root: float, wall: float) -> float:
-        drop = d.crest_radius_mm + d.wall_mm - root * (d.root_radius_mm + d.wall_mm)
-        return 2.0 * d.convolutions * (math.sqrt((wall * length) ** 2 - drop**2) - half_pitch)
-
-    fed = elongation(float(chain.root_stretch[0]), float(chain.wall_stretch[0]))
-    return fed, fed - elongation(1.0, 1.0)

@@ -15,11 +15,12 @@ from studies.engine import Bar, Page, Setting, Solved, Study
 from studies.models.axisymmetric import run_axisymmetric
 from studies.outline.cases import MOULDED, OUTLINES, ZIGZAG, Case, cases, with_outline
 from studies.outline.plots import draw_waterfalls
-from studies.outline.split import CAUSES, Split, fed_mm, free_wall_mm, split
+from studies.outline.split import CAUSES, Split, split
 from studies.report.numbers import number_text, signed
 from studies.report.tables import Table, table_of
 from studies.results import provenance
 from studies.results.bellows_rows import bellows_rows
+from studies.results.closed_form_rows import fed_mm, free_wall_mm
 from studies.results.kept import content_key, kept
 from studies.results.measured_rows import measured_rows
 from studies.results.rows import Row, is_reached, row
@@ -109,9 +110,10 @@ def fed_table() -> Table:
     for actuator in actuators():
         base = load_bellows(provenance.ROOT / "scenes" / f"{actuator.name}.toml")
         for outline in (MOULDED, ZIGZAG):
-            shape = shape_of(with_outline(base, actuator, outline))
+            scene = with_outline(base, actuator, outline)
+            shape = shape_of(scene)
             length, straight = free_wall_mm(shape) + 0.5 * shape.seat_mm, actuator.dimensions.side_length_mm
-            fed = [fed_mm(actuator, shape, pressure) for pressure in PRESSURES_KPA]
+            fed = [fed_mm(scene, pressure) for pressure in PRESSURES_KPA]
             lines.append(
                 (
                     actuator.name,

@@ -22,7 +22,13 @@ from studies.report.numbers import (
 from studies.report.tables import Table, table_of
 from studies.results.rows import REACHED, Row, difference_percent
 
-CHAINS: Final = ("closed_form", "closed_form_printed", "closed_form_balanced", "closed_form_seat")
+CHAINS: Final = (
+    "closed_form",
+    "closed_form_printed",
+    "closed_form_balanced",
+    "closed_form_seat",
+    "closed_form_outline",
+)
 PRINTED: Final = ("paper_closed_form", "paper_ansys", "paper_experiment")
 # Full 3D with the paper's elements, which are a case of their own.
 TETRAHEDRA: Final = "tetrahedra"

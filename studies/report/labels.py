@@ -15,6 +15,7 @@ MODELS: Mapping[str, str] = {
     "closed_form": "closed form",
     "closed_form_balanced": "closed form, balanced",
     "closed_form_seat": "closed form, free pitch",
+    "closed_form_outline": "closed form, outline's wall",
     "axisymmetric": "axisymmetric",
     "sector": "sector",
     "full3d": "full 3D",

@@ -32,6 +32,7 @@ _STYLES: dict[str, dict[str, Any]] = {
     "closed_form_printed": {"color": SKY, "linestyle": "-.", "marker": "<"},
     "closed_form_balanced": {"color": GREEN, "linestyle": "-", "marker": "o"},
     "closed_form_seat": {"color": GREEN, "linestyle": ":", "marker": "v"},
+    "closed_form_outline": {"color": PURPLE, "linestyle": "--", "marker": ">"},
     "axisymmetric": {"color": BLUE, "linestyle": "-", "marker": "o"},
     "sector": {"color": SKY, "linestyle": "-.", "marker": "h"},
     "full3d": {"color": VERMILION, "linestyle": "none", "marker": "s"},

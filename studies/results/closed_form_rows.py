@@ -13,15 +13,20 @@ from analytical.bellows.chains import ClosedFormPath, closed_form, closed_form_b
 from analytical.bellows.dimensions import BellowsDimensions, BellowsError, with_seat
 from analytical.bellows.loads import held_tip
 from analytical.laws.isotropic import Law
+from meshes.bellows import wall_segments
+from meshes.shape import BellowsShape
 from studies.results.rows import FOLDED_BACK, REACHED, Row, row
-from studies.scene.bellows import BellowsScene, dimensions_of
+from studies.scene.bellows import BellowsScene, dimensions_of, shape_of
 from studies.scene.materials import law_of
 
 Chain = Callable[[BellowsDimensions, Law, float], ClosedFormPath]
 
 
 def closed_form_values(scene: BellowsScene, pressure_kpa: float) -> list[tuple[str, float, str]]:
-    """(model, main quantity, status) of the closed form: its chains, and the corrected one with the free half pitch."""
+    """(model, main quantity, status) of the closed form: its chains, and the corrected one with the outline's lengths.
+
+    Those are the free half pitch alone (``closed_form_seat``), and the free wall's too (``closed_form_outline``).
+    """
     if scene.load.sense < 0.0:
         return []  # it has no vacuum
     nominal = dimensions_of(scene)
@@ -38,7 +43,39 @@ def closed_form_values(scene: BellowsScene, pressure_kpa: float) -> list[tuple[s
             out.append((model, value, status))
         except BellowsError as error:
             out.append((model, math.nan, f"not available: {error}"))
+    if not (scene.blocked or scene.load.tip_force_n) and all(math.isfinite(value) for _, value, _ in out[:1]):
+        out.append(("closed_form_outline", fed_mm(scene, pressure_kpa)[0], REACHED))
     return out
+
+
+def free_wall_mm(shape: BellowsShape) -> float:
+    """Length of the wall's middle line between a seat and the middle of the next root, mm."""
+    pieces = [s.length_mm for s in wall_segments(shape) if s.kind in ("crest", "side", "root")]
+    return sum(pieces) / (2.0 * shape.convolutions)
+
+
+def fed_mm(scene: BellowsScene, pressure_kpa: float) -> tuple[float, float]:
+    """The corrected closed form fed with the outline's free wall and half pitch, mm.
+
+    Eq. (23) of DOI 10.3390/biomimetics9030160 with the chain's own stretches, the free wall's length for l and the half
+    pitch less half the seat for e. The free wall is longer than the straight line it is put on, so the formula is
+    longer than the bellows before there is any pressure: by the slack that its bends could give if they straightened.
+
+    Returns
+    -------
+    tuple of float
+        As it stands, with all bends straight; and less the slack at rest.
+    """
+    d, shape = dimensions_of(scene), shape_of(scene)
+    chain = closed_form(d, law_of(scene.material), pressure_kpa)
+    length, half_pitch = free_wall_mm(shape), shape.half_pitch_mm - 0.5 * shape.seat_mm
+
+    def elongation(root: float, wall: float) -> float:
+        drop = d.crest_radius_mm + d.wall_mm - root * (d.root_radius_mm + d.wall_mm)
+        return 2.0 * d.convolutions * (math.sqrt(max(0.0, (wall * length) ** 2 - drop**2)) - half_pitch)
+
+    fed = elongation(float(chain.root_stretch[0]), float(chain.wall_stretch[0]))
+    return fed, fed - elongation(1.0, 1.0)
 
 
 def _closed_form_value(

@@ -27,8 +27,9 @@ class Row:
     pressure_kpa
         Cavity pressure.
     model
-        ``closed_form``, ``closed_form_printed``, ``closed_form_balanced``, ``closed_form_seat``, ``axisymmetric``,
-        ``sector``, ``full3d``, ``paper_…`` for printed values, ``material`` for laws, ``exact`` for exact solutions.
+        ``closed_form``, ``closed_form_printed``, ``closed_form_balanced``, ``closed_form_seat``,
+        ``closed_form_outline``, ``axisymmetric``, ``sector``, ``full3d``, ``paper_…`` for printed values, ``material``
+        for laws, ``exact`` for exact solutions.
     level
         Mesh or variant within the model, for instance ``r4`` or ``n24``; empty if there is one only.
     value

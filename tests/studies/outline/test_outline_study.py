@@ -13,8 +13,9 @@ from analytical.bellows.chains import closed_form
 from analytical.bellows.paper import actuators
 from studies.engine import run
 from studies.outline.cases import MOULDED, OUTLINES, ZIGZAG, cases
-from studies.outline.split import CAUSES, free_wall_mm, kinematics_mm, split
+from studies.outline.split import CAUSES, kinematics_mm, split
 from studies.outline.study import STUDY
+from studies.results.closed_form_rows import free_wall_mm
 from studies.results.rows import Row, read_rows, row
 from studies.scene.bellows import shape_of
 from studies.scene.load import load_bellows
@@ -40,8 +41,8 @@ def test_the_moulded_outline_is_that_of_the_scene(root: Path) -> None:
 def test_scenes_near_the_zigzag_are_the_studys(root: Path) -> None:
     for case in (case for case in cases({}) if case.outline is ZIGZAG):
         kept = load_bellows(root / "scenes" / "zigzag" / f"{case.actuator.name}.toml")
-        assert (kept.geometry, kept.rings, kept.material) == (
-            case.scene.geometry,
+        assert (shape_of(kept), kept.rings, kept.material) == (
+            shape_of(case.scene),
             case.scene.rings,
             case.scene.material,
         )
