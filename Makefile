@@ -10,7 +10,8 @@ MPIRUN ?= $(if $(filter wheel,$(STACK)),$(CURDIR)/.venv/bin/mpirun,/usr/bin/mpir
 export MPIRUN
 SCENES ?= $(wildcard scenes/*.toml)
 SWEEP ?= sweeps/heung-map.toml
-EXAMPLES ?= stacks paper outline exact closed-form dimensions sweep stability cost modes branches imperfection contact vacuum verification large
+EXAMPLES ?= paper outline sweep dimensions closed-form exact verification modes branches imperfection contact vacuum \
+    stability error-model peers cost large stacks
 
 # --- ranks and threads ----------------------------------------------------------------------
 # One rank: BLAS may use all cores. Several ranks: one thread each, or they fight for the cores. Two ranks
@@ -229,14 +230,22 @@ benchmark-solver: check ## cost of tangent, factor, iteration, warm and cold sta
 study-dimensions: check ## what fits the unprinted dimensions, which three sets are used -> results/dimensions
 	$(PY) -m studies study dimensions --out results/dimensions
 
-.PHONY: example
-example: ## keep the reports of EXAMPLES (default: all) from results in docs; field files stay out of git
+.PHONY: examples
+examples: check ## all reports of docs anew from one commit: hours on an idle machine, and goes on where it was stopped
+	@[ -z "$$(git status --porcelain --untracked-files=no)" ] || \
+		{ echo "make examples: the tree differs from its commit: commit or undo the changes first" >&2; exit 2; }
+	for study in $(EXAMPLES); do $(MAKE) study-$$study || echo "make examples: study-$$study: exit code $$?" >&2; done
+	$(MAKE) keep-examples
+
+.PHONY: keep-examples
+keep-examples: ## copy the reports of EXAMPLES from results to docs; field files stay out of git
 	for study in $(EXAMPLES); do \
 		[ -e results/$$study/report.md ] || continue; \
 		rm -rf docs/$$study; mkdir -p docs/$$study; \
-		for part in report.md rows.csv crossings.csv members.csv sweep.csv pictures paths; do \
+		for part in report.md pictures paths; do \
 			[ ! -e results/$$study/$$part ] || cp -r results/$$study/$$part docs/$$study/; \
 		done; \
+		(cd results/$$study && cp --parents *.csv $$(ls */sweep.csv 2> /dev/null) ../../docs/$$study/); \
 		sed -i '/\.vtu)$$/d' docs/$$study/report.md; \
 	done
 

@@ -317,9 +317,10 @@ def bars_table(bars: Sequence[Bar]) -> Table:
 
 
 def stamp_table(comm: MPI.Comm) -> Table:
-    """Commit, date, machine, BLAS, ranks and versions."""
+    """Commit, code, date, machine, BLAS, ranks and versions."""
     facts = {
         "commit": provenance.commit(),
+        "code that decides the numbers": provenance.code_hash(),
         "date": provenance.now(),
         "machine": provenance.machine(),
         "BLAS": provenance.blas(),
