@@ -17,7 +17,6 @@ from studies.report.numbers import count, short_time
 from studies.report.tables import table_of
 from studies.results.rows import Row
 
-PEER_RATIO: Final = "time_ratio_"
 # A setting this much slower than the best as exact still counts as on the front: times repeat to about this.
 NOISE: Final = 1.1
 # What a front member's time is drawn for, in as many colours as there are; checks and output count as other.
@@ -40,7 +39,8 @@ def content(rows: Sequence[Row], out: Path) -> Mapping[str, Any]:
         "laws": laws,
         "grown": grown,
         "batches": tables.batches(rows),
-        "ratios": [r for r in rows if r.quantity.startswith(PEER_RATIO) and math.isfinite(r.value)],
+        "ratios": tables.ratios_table(rows),
+        "alike": tables.like_with_like(found),
         "sections": [_section(name, found, rows, out) for name in bodies],
         "growth": table_of(grown, tables.GROWTH, (0,)),
         "strategies": tables.strategies_table(own),

@@ -18,8 +18,9 @@ import click
 from studies import mpi_children
 from studies.cost.cases import BATCHES, CELLS, LARGE, Batch, Cell, cell_scene
 from studies.cost.measure import keep_quieter, kept_measurement, measure
-from studies.cost.page import PEER_RATIO, content
+from studies.cost.page import content
 from studies.cost.rows import batch_rows, measured_rows
+from studies.cost.tables import PEER_RATIO
 from studies.engine import ROWS_FILE, Page, Setting, Solved, Study
 from studies.results.rows import Row, read_rows
 

@@ -135,3 +135,47 @@ def compilation_table(rows: Sequence[Row]) -> Table:
         "longer by, s": lambda r: short_time(r.value),
     }
     return table_of([r for r in rows if r.quantity == COMPILE], columns, (0, 1))
+
+
+PEER_RATIO: Final = "time_ratio_"
+
+
+def ratios_table(rows: Sequence[Row]) -> Table:
+    """Our time over other programs', by two ways of comparing and by two kinds of error, each said in words."""
+    lines = []
+    for r in rows:
+        if not (r.quantity.startswith(PEER_RATIO) and math.isfinite(r.value)):
+            continue
+        error = "lasting" if r.quantity.endswith("by_lasting_error") else "as it is"
+        equal = "at_equal_error" in r.quantity
+        what = (
+            f"at the smallest error that both reach, {r.level}" if equal else "ours to 1 %, theirs at their least error"
+        )
+        lines.append((model_label(r.model), what, error, f"{r.value:.2g}"))
+    return Table(("model", "compared", "error counts", "our time over theirs"), tuple(lines), left=(0, 1, 2))
+
+
+def like_with_like(found: Sequence[Point]) -> Table:
+    """Our bodies of the peers' bellows by rings and start, each over the quickest full 3D run of another program."""
+    peers = [p for p in found if p.is_peer and p.group == "peers, full 3D" and p.reached]
+    if not peers:
+        return Table((), ())
+    quickest = min(peers, key=lambda p: p.cost.wall_s)
+    ours = [
+        p
+        for p in found
+        if (p.scene, p.model, p.mesh) == (quickest.scene, "full3d", "n8")
+        and p.element in ("hex", "tet")
+        and p.reached
+        and not p.is_peer
+    ]
+    columns: Columns = {
+        "run": lambda p: p.name,
+        "rings": lambda p: "meshed" if p.is_peer or p.element == "tet" else "rigid",
+        "starts from": lambda p: "the axisymmetric state" if not p.is_peer and p.way == "warm" else "zero",
+        "unknowns": lambda p: _size(p.cost.unknowns),
+        "error, %": error_text,
+        "wall, s": lambda p: short_time(p.cost.wall_s),
+        f"over {quickest.name}": lambda p: f"{p.cost.wall_s / quickest.cost.wall_s:.2f}",
+    }
+    return table_of([*ours, quickest], columns, (0, 1, 2))

@@ -104,7 +104,7 @@ class _Evacuation:
             try:
                 state, volume = self._advance(step)
                 if self._room_mm(state) <= 0.0:
-                    why = f"rings touch beyond {self.reached_kpa:.4g} kPa, and contact is not modelled"
+                    why = f"rings touch beyond {self.reached_kpa:.4g} kPa; these runs are without contact"
                     return self._stopped("contact", why)
                 self._pass(state, volume, loads_kpa)
             except StepFailed as failure:

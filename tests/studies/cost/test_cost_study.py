@@ -172,8 +172,16 @@ def test_page_of_the_rows_of_a_real_run(root: Path, tmp_path: Path, monkeypatch:
     shown = content(rows, tmp_path)
     assert shown["laws"].time.exponent == pytest.approx(1.25, abs=0.005)
     assert shown["laws"].held == pytest.approx(1_726_000, rel=1e-3)
-    assert len(shown["own"]) == 93 and len(shown["disturbed"]) == 2 and len(shown["ratios"]) == 8
+    assert len(shown["own"]) == 93 and len(shown["disturbed"]) == 2 and len(shown["ratios"].rows) == 8
     assert len(shown["model"].rows) == 20 and len(shown["ranks"].rows) == 17
+    alike = {line[0]: dict(zip(shown["alike"].header, line, strict=True)) for line in shown["alike"].rows}
+    warm, cold, tets = (alike[f"full3d {name} 1x2"] for name in ("hex n8 warm", "hex n8 cold", "tet n8 warm"))
+    assert (warm["rings"], warm["starts from"]) == ("rigid", "the axisymmetric state")
+    assert (cold["rings"], cold["starts from"], tets["rings"]) == ("rigid", "zero", "meshed")
+    *_, quickest = shown["alike"].rows
+    assert quickest[0].startswith("peer_") and quickest[-1] == "1.00"
+    over = shown["alike"].header[-1]
+    assert float(warm[over]) < float(cold[over]) < 1.0
     expected = {"growth", "peers-peer-bellows"}
     for body in ("tube", "peer-bellows", "heung-t2-ri5"):
         expected |= {f"front-{body}", f"times-{body}"}
