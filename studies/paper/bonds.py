@@ -18,8 +18,6 @@ RIGID: Final = "bond-rigid"
 # DESIGN, section 4: what a softer bond may change in the tip's elongation, and on how many meshes of the rigid one.
 BONDED_PERCENT: Final = 1.0
 BONDED_MESHES: Final = 3
-# Keys that change the crest, so that the tip differs for another reason than the bond.
-SHAPE_KEYS: Final = {"rings.seat_mm", "geometry.fillet_mm"}
 
 
 @dataclass(frozen=True)
@@ -78,11 +76,14 @@ def _cells(bond: Bond, run: Run) -> tuple[str, ...]:
 
 
 def verdicts(results: PaperResults) -> tuple[str, ...]:
-    """A sentence per softened bond on the same crest: if it counts as bonded by the definition, with its slip."""
+    """A sentence per layer of adhesive: if it counts as bonded by the definition, with its slip.
+
+    Other shapes of the crest and meshed rings are no softer bonds.
+    """
     return tuple(
         f"{bond.case.case.base}, {bond.case.case.label}: {_verdict(bond)}"
         for bond in of_study(results)
-        if bond.case != bond.rigid and not SHAPE_KEYS & set(bond.case.case.changes)
+        if bond.case.case.changes.get("rings.bond") == "adhesive"
     )
 
 

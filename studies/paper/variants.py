@@ -171,7 +171,7 @@ def blocked(results: PaperResults) -> Table:
                 (
                     case.case.base,
                     f"{pressure:g}",
-                    *map(value_text, (held, thrust, found)),
+                    *map(_newtons, (held, thrust, found)),
                     difference_text(held, found, 3),
                     difference_text(thrust, found, 3),
                     _where(found.value, thrust.value, held.value),
@@ -181,15 +181,20 @@ def blocked(results: PaperResults) -> Table:
     header = (
         "actuator",
         "pressure, kPa",
-        "closed form, wall pushes",
-        "closed form, thrust alone",
-        "axisymmetric",
+        "closed form, wall pushes, N",
+        "closed form, thrust alone, N",
+        "axisymmetric, N",
         "wall pushes less axisymmetric, N (%)",
         "thrust less axisymmetric, N (%)",
         "axisymmetric is",
         "unstable modes",
     )
     return Table(header, tuple(lines), left=(0, 7))
+
+
+def _newtons(row: Row) -> str:
+    """A force without its unit, which the header has."""
+    return value_text(row).replace(" N", "")
 
 
 def _where(found: float, *two: float) -> str:

@@ -81,7 +81,7 @@ def _draw_body(axes: Axes, body: SolidMesh) -> None:
 
 
 def faces_of(body: SolidMesh) -> tuple[FloatArray, FloatArray]:
-    """Outer faces of curved hexahedra as flat patches (m, 4, 3), and the edges of the faces as strokes (k, 2, 3), mm."""
+    """Outer faces of curved hexahedra as flat patches (m, 4, 3), and their edges as strokes (k, 2, 3), mm."""
     lattices: list[IntArray] = []
     for axis in range(3):
         along = [k for k in range(3) if k != axis]

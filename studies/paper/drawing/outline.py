@@ -75,9 +75,8 @@ def _draw_letters(axes: Axes, shape: BellowsShape, scene: BellowsScene) -> None:
     _dimension(axes, (end, above), (end + shape.cap_mm, above), "cap", (0.0, 0.7))
     ring = (crests[-1] + half, seat_r + 0.5 * scene.rings.height_mm)
     axes.annotate("ring", ring, (ring[0] + 1.6, ring[1]), va="center", fontsize=_FONT, arrowprops=_POINTER)
-    axes.annotate(
-        f"$n$ = {scene.geometry.convolutions} convolutions, {FOLDS} drawn", (root, above + 2.4), fontsize=_FONT, ha="left"
-    )
+    folds = f"$n$ = {scene.geometry.convolutions} convolutions, {FOLDS} drawn"
+    axes.annotate(folds, (root, above + 2.4), fontsize=_FONT, ha="left")
     pieces = {(s.kind, s.index, s.tangent_start_rad > 0.0): s for s in wall_segments(shape)}
     middle = np.array([0.5])
     inner, outer = (side[0, ::-1] for side in pieces["side", 0, True].band(middle))

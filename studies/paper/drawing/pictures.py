@@ -6,13 +6,15 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
+from meshes import bellows, meridian, sweep
 from studies.paper.cases import HIGHEST_KPA, REFERENCE_SCENES
-from studies.paper.drawing import panels, plots
+from studies.paper.drawing import meshes, outline, panels, plots
 from studies.paper.results import CaseResult, PaperResults, is_known
+from studies.paper.setup.sizes import ZIGZAG, scene_file
 from studies.report import curves, style
 from studies.report.drawn import key_of, once
 from studies.report.numbers import value_text
-from studies.report.pictures import bodies, half_sections, outside, roots
+from studies.report.pictures import bodies, half_outlines, half_sections, outside, roots
 from studies.report.pictures.child import draw_side_by_side, draw_states
 from studies.report.pictures.stills import Still
 from studies.report.scene_page import ring_boxes
@@ -53,6 +55,12 @@ def draw_all(folder: Path, results: PaperResults) -> dict[str, str]:
 
     for name, plot in _PLOTS.items():
         add(name, lambda path, plot=plot: once(path, key, lambda: plot(path, results)))  # type: ignore[misc]
+    for name, drawn, scene, code in (
+        ("outline", outline.draw_outlines, REFERENCE_SCENES[0], (outline, half_outlines)),
+        ("mesh", meshes.draw_meshes, REFERENCE_SCENES[2], (meshes,)),
+    ):
+        shown = key_of(scene_file(scene), scene_file(scene, ZIGZAG), code=[*code, bellows, meridian, sweep, style])
+        add(name, lambda path, key=shown, drawn=drawn, scene=scene: once(path, key, lambda: drawn(path, scene)))  # type: ignore[misc]
     add("roots", lambda path: _draw_roots(path, results))
     for name in REFERENCE_SCENES:
         stills = _stills(results.named(name))

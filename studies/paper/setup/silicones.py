@@ -50,7 +50,8 @@ def makers_modulus() -> str:
     ratios = {of: stress[of] / MAKERS_MODULUS_KPA for of in CONVENTIONS}
     labels = {of: where.partition(",")[0] for of, where in CONVENTIONS.items()}
     return (
-        f"The maker gives {MAKERS_MODULUS_KPA:g} kPa at twice the length for Dragon Skin 30. Read as {labels[near]} the "
-        f"constants give {stress[near]:.0f} kPa, {ratios[near]:.2f} times as much; read as {labels[far]} "
-        f"{stress[far]:.0f} kPa, {ratios[far]:.2f} times as much. The maker's number supports {labels[near]}."
+        f"For Dragon Skin 30 the maker gives {MAKERS_MODULUS_KPA:g} kPa at twice the length (data sheet, Smooth-On). "
+        f"Read as {labels[near]} the constants give {stress[near]:.0f} kPa, {ratios[near]:.2f} times as much; read as "
+        f"{labels[far]} {stress[far]:.0f} kPa, {ratios[far]:.2f} times as much. The maker's number supports "
+        f"{labels[near]}."
     )
