@@ -40,7 +40,7 @@ def test_bend_and_change_come_from_the_published_rows(file: Path) -> None:
 
 
 def test_rows_of_another_actuator_are_told(file: Path) -> None:
-    assert "Out of date: their centred core differs by −1e+01 %" in eccentric_core(sector(33.4), file)[1]
+    assert "Out of date: their centred core differs by −10 %" in eccentric_core(sector(33.4), file)[1]
     assert "Out of date" in eccentric_core(sector(30.001), file)[1]
     assert "cannot be told" in eccentric_core(PaperResults(()), file)[1]
     assert "not there" in eccentric_core(PaperResults(()), file.parent / "none.csv")[0]

@@ -91,26 +91,19 @@ def test_cells_have_the_nodes_that_the_table_names() -> None:
     meridian = scene_meridian(scene, 1)
     tets = scene.model_copy(update={"mesh": scene.mesh.model_copy(update={"element": "tet"})})
     triangles = scene_meridian(tets, 1)
-    bodies = (scene_body(meridian, "full3d", 4), scene_body(triangles, "full3d", 6))
+    bodies = (scene_body(meridian, "full3d", 6), scene_body(triangles, "full3d", 6))
     for mesh in (meridian, triangles, *bodies):
-        (line,) = (
-            line for line in discretisation.elements().rows if line[1].startswith(f"{_plural(mesh.cell.name)} of")
-        )
+        name = {"hexahedron": "hexahedra", "tetrahedron": "tetrahedra"}.get(mesh.cell.name, f"{mesh.cell.name}s")
+        (line,) = (line for line in discretisation.elements().rows if line[1].startswith(f"{name} of"))
         assert f"of {mesh.cells.shape[1]} nodes" in line[1]
         assert line[4] == usual_element(mesh.cell.name).name
-
-
-def _plural(cell: str) -> str:
-    return {"hexahedron": "hexahedra", "tetrahedron": "tetrahedra"}.get(cell, f"{cell}s")
 
 
 def test_each_level_divides_every_cell_along_both_directions() -> None:
     first, second, fourth = (line[1:] for line in discretisation.meridians().rows)
     for one, two, four in zip(first, second, fourth, strict=True):
-        (through, cells), (through_2, cells_2), (through_4, cells_4) = (
-            (int(part.replace("\N{NARROW NO-BREAK SPACE}", "")) for part in text.split(" / "))
-            for text in (one, two, four)
-        )
+        plain = (text.replace("\N{NARROW NO-BREAK SPACE}", "").split(" / ") for text in (one, two, four))
+        (through, cells), (through_2, cells_2), (through_4, cells_4) = (map(int, parts) for parts in plain)
         assert (through_2, through_4) == (2 * through, 4 * through)
         assert (cells_2, cells_4) == (4 * cells, 16 * cells)
 
@@ -130,4 +123,5 @@ def test_faces_of_a_body_close_it() -> None:
     middles = np.round(ends.mean(axis=1), 6)
     _, counts = np.unique(middles, axis=0, return_counts=True)
     assert set(counts) == {2}
-    assert len(edges) == 16 * len(patches) // 16
+    # 4 by 4 patches in a face, and 4 strokes along each of its sides
+    assert len(edges) == len(patches)
