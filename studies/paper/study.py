@@ -158,7 +158,7 @@ def content(results: PaperResults, pictures: Mapping[str, str]) -> dict[str, Any
         "bonds": bonds,
         "times": times,
         "setup": setup(),
-        "in_short": in_short(results, found),
+        "in_short": in_short(results),
         "assumptions_percent": number_text(rounded_up(errors.assumptions_percent(results), 1), "g"),
         "imperfection": eccentric_core(results),
         "printed_mass": f"{PRINTED_MASS_G:g}",

@@ -8,11 +8,10 @@ from collections.abc import Iterable, Sequence
 from studies.paper.acceptance import bars
 from studies.paper.bonds import BONDED_PERCENT, verdicts
 from studies.paper.cases import HIGHEST_KPA, PRESSURES_KPA, REFERENCE, REFERENCE_SCENES, RING_VARIANTS, SETS, THICK
-from studies.paper.claims import Claim
 from studies.paper.errors import CHAINS, at_pressures
 from studies.paper.results import CaseResult, PaperResults, common_levels, is_known, last_kpa, means_something
+from studies.paper.setup.sizes import CALLED
 from studies.paper.variants import REFERENCE_RING, nearer, readings
-from studies.paper.verdicts import HOLDS, UNDECIDED
 from studies.report.labels import model_label, run_label
 from studies.report.numbers import MISSING, signed
 from studies.results.closed_form_rows import validity_notes
@@ -21,7 +20,7 @@ from studies.results.rows import FOLDED_BACK, REACHED, Row, difference_percent
 _NAMES_SHOWN = 4
 
 
-def in_short(results: PaperResults, found: Sequence[Claim]) -> dict[str, str]:
+def in_short(results: PaperResults) -> dict[str, str]:
     """What each section says in a sentence, by a short name; what has not been run is said to be missing."""
     return {
         "chain": _chain(results, CHAINS[0]),
@@ -35,7 +34,6 @@ def in_short(results: PaperResults, found: Sequence[Claim]) -> dict[str, str]:
         "rings": _rings(results),
         "bonds": _bonds(results),
         "beyond": _beyond(results),
-        "claims": _claims(found),
         "must_show": _must_show(results),
     }
 
@@ -82,24 +80,24 @@ def _chain(results: PaperResults, model: str) -> str:
     """How far a chain is from the best finite-element answer, over actuators and pressures."""
     cases = [results.named(name) for name in REFERENCE_SCENES]
     pairs = [(case.tip(model, pressure), case.best_tip(pressure)) for case in cases for pressure in PRESSURES_KPA]
-    label = model_label(model).capitalize()
+    label = f"The {model_label(model)}"
     if any(row.status == FOLDED_BACK for row, _ in pairs):
         label += " (where it has not folded back)"
-    return f"{label} less finite elements: {_spread(pairs)} over the actuators and pressures."
+    return f"{label} differs from finite elements by {_spread(pairs)} over the actuators and pressures."
 
 
 def _printed(results: PaperResults, model: str, label: str) -> str:
     """How far the best finite-element answers are from printed numbers."""
     cases = [results.named(name) for name in REFERENCE_SCENES]
     spread = _spread((case.best_tip(), case.tip(model)) for case in cases)
-    return f"Finite elements less {label} at {HIGHEST_KPA:g} kPa: {spread}."
+    return f"Finite elements differ from {label} at {HIGHEST_KPA:g} kPa by {spread}."
 
 
 def _spread(pairs: Iterable[tuple[Row, Row]]) -> str:
     """Range of the differences of pairs, percent of the second."""
     known = [(one.value, other.value) for one, other in pairs if means_something(one) and is_known(other)]
     found = [difference_percent(*pair) for pair in known]
-    return f"{signed(min(found))} to {signed(max(found))} %" if found else "not run"
+    return f"{signed(min(found))} to {signed(max(found))} %" if found else f"{MISSING} (not run)"
 
 
 def _sets(results: PaperResults) -> str:
@@ -115,8 +113,8 @@ def _sets(results: PaperResults) -> str:
 
 def _convention(results: PaperResults) -> str:
     found = {name: nearer(*readings(results, name)) for name in THICK}
-    parts = (f"{name} {'not run' if answer == MISSING else answer}" for name, answer in found.items())
-    return f"Ogden convention nearer to the paper's ANSYS: {', '.join(parts)}."
+    parts = (f"{CALLED[name]}: {'not run' if answer == MISSING else answer}" for name, answer in found.items())
+    return f"The convention that is nearer to the paper's ANSYS is, for {'; for '.join(parts)}."
 
 
 def _rings(results: PaperResults) -> str:
@@ -149,19 +147,11 @@ def _bonds(results: PaperResults) -> str:
 
 def _beyond(results: PaperResults) -> str:
     parts = [
-        f"{case.case.base} {min(last_kpa(run) for run in case.axisymmetric):.4g} kPa"
+        f"{CALLED[case.case.base]}: {min(last_kpa(run) for run in case.axisymmetric):.4g} kPa"
         for case in results.of("beyond")
         if case.axisymmetric
     ]
-    return f"Reached when asked for 30 kPa, all meshes: {', '.join(parts) or 'not run'}."
-
-
-def _claims(found: Sequence[Claim]) -> str:
-    verdicts = [claim.verdict for claim in found]
-    hold, open_ = verdicts.count(HOLDS), verdicts.count(UNDECIDED)
-    return (
-        f"Of {len(found)} claims of the paper {hold} hold, {len(found) - hold - open_} do not, {open_} cannot be told."
-    )
+    return f"Requested up to 30 kPa; reached on all meshes by {'; by '.join(parts) or 'none: not run'}."
 
 
 def silicone_mass(results: PaperResults) -> str:

@@ -9,7 +9,8 @@ from typing import Any, Final
 import numpy as np
 from matplotlib.axes import Axes
 
-from meshes.bellows import BellowsShape, wall_segments
+from meshes.bellows import wall_segments
+from meshes.shape import BellowsShape
 from studies.paper.setup.sizes import ZIGZAG, scene_of
 from studies.report.pictures.half_outlines import draw_half_outline
 from studies.report.style import BLACK, BLUE, GREY, HALO, SKY, VERMILION, figure_file

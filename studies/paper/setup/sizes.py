@@ -9,7 +9,8 @@ from typing import Final, Literal
 
 from analytical.bellows.chains_by_name import SILICONES
 from analytical.bellows.paper import PaperActuator
-from meshes.bellows import BellowsShape, wall_segments
+from meshes.bellows import wall_segments
+from meshes.shape import BellowsShape
 from studies.paper.cases import REFERENCE, SCENES, SETS
 from studies.report.tables import Table
 from studies.scene.bellows import BellowsScene, shape_of
@@ -66,6 +67,10 @@ def called(actuator: PaperActuator) -> str:
     """What tables of answers call an actuator."""
     d = actuator.dimensions
     return f"t = {d.wall_mm:g} mm, R_i = {d.root_radius_mm:g} mm"
+
+
+# By the name of a scene.
+CALLED: Final[Mapping[str, str]] = {actuator.name: called(actuator) for actuator in REFERENCE}
 
 
 def dimensions() -> Table:

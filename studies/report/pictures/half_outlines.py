@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon, Rectangle
 
-from meshes.bellows import BellowsShape, cap_band, corner_band, wall_segments
+from meshes.bellows import cap_band, corner_band, wall_segments
+from meshes.shape import BellowsShape
 from studies.report.style import GREY
 
 
