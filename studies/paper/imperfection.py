@@ -13,7 +13,7 @@ from typing import Final
 
 from studies.paper.cases import PRESSURES_KPA
 from studies.paper.results import PaperResults, find, is_known
-from studies.paper.setup.sizes import scene_of
+from studies.paper.setup.sizes import CALLED, scene_of
 from studies.report.numbers import number_text, signed, typeset
 from studies.results import provenance
 from studies.results.rows import Row, difference_percent, read_rows
@@ -40,7 +40,8 @@ def eccentric_core(results: PaperResults, file: Path = PUBLISHED) -> tuple[str, 
     )
     off_mm = SHARE * scene_of(ACTUATOR).geometry.wall_mm
     return (
-        f"A core {off_mm:g} mm off the axis bends {ACTUATOR} and changes its elongation: {first}, {last}.",
+        f"A core {off_mm:g} mm off the axis bends the actuator with {CALLED[ACTUATOR]} and changes its elongation: "
+        f"{first}, {last}.",
         _fits(results, published),
     )
 
