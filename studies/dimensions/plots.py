@@ -11,18 +11,18 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, Polygon, Rectangle
+from matplotlib.patches import Patch
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
 from analytical.arrays import BoolArray, FloatArray
 from analytical.bellows.chains_by_name import SILICONES, printed_mm
 from analytical.bellows.fit.members import WITHIN, tip_mm
-from analytical.bellows.paper import PRINTED_PRESSURE_KPA, PaperActuator, Silicone
-from meshes.bellows import cap_band, corner_band, wall_segments
+from analytical.bellows.paper import PRINTED_PRESSURE_KPA, Silicone
 from studies.dimensions.fit import ACTUATORS, SET_NAMES, Fit
 from studies.dimensions.predictions import Prediction
 from studies.dimensions.scenes import scene_of
 from studies.dimensions.tables import of_silicone, silicones_text
+from studies.report.pictures.half_outlines import draw_half_outline
 from studies.report.style import (
     BELOW,
     BLACK,
@@ -193,7 +193,8 @@ def draw_outlines(path: Path, found: Fit) -> None:
         every = figure.subplots(len(ACTUATORS), len(SET_NAMES), sharex=True, sharey=True)
         for column, of_set in zip(every.T, found.sets, strict=True):
             for axes, actuator in zip(column, of_set.actuators, strict=True):
-                _draw_body(axes, actuator)
+                scene = scene_of(actuator)
+                draw_half_outline(axes, shape_of(scene), scene.rings.height_mm, _BODY[actuator.silicone])
                 axes.set(aspect="equal", xlim=(-1.0, longest + 6.0), ylim=(0.0, 20.0))
                 axes.set_title(actuator.name, fontsize=9)
             column[0].set_title(f"{of_set.name}\n{of_set.actuators[0].name}", fontsize=9)
@@ -202,20 +203,6 @@ def draw_outlines(path: Path, found: Fit) -> None:
             axes.set_ylabel("r, mm")
         bodies = [Patch(color=colour, label=SILICONES[silicone]) for silicone, colour in _BODY.items()]
         figure.legend(handles=[*bodies, Patch(color=GREY, label="rings")], ncols=3, **BELOW)
-
-
-def _draw_body(axes: Axes, actuator: PaperActuator) -> None:
-    """Half a section: wall, cap and rings; the axis is horizontal."""
-    scene = scene_of(actuator)
-    shape = shape_of(scene)
-    along = np.linspace(0.0, 1.0, 21)
-    bands = [segment.band(along) for segment in wall_segments(shape)]
-    for inner, outer in [*bands, corner_band(shape, along), cap_band(shape, along)]:
-        points = np.vstack([inner, outer[::-1]])[:, ::-1]  # (r, z) to (z, r)
-        axes.add_patch(Polygon(points, facecolor=_BODY[actuator.silicone], edgecolor="none", antialiased=False))
-    for centre in shape.crest_positions_mm:
-        corner = (centre - 0.5 * shape.seat_mm, shape.seat_radius_mm)
-        axes.add_patch(Rectangle(corner, shape.seat_mm, scene.rings.height_mm, facecolor=GREY, edgecolor="none"))
 
 
 def _pick_entries() -> list[Line2D]:

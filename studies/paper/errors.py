@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from analytical.bellows.chains_by_name import SILICONES
 from analytical.bellows.paper import PaperActuator
 from studies.paper.cases import HIGHEST_KPA, PRESSURES_KPA, REFERENCE, REFERENCE_SCENES
-from studies.paper.results import CaseResult, PaperResults, is_known, means_something, modes
+from studies.paper.results import CaseResult, PaperResults, is_known, means_something, modes, no_row
+from studies.paper.setup.sizes import called
 from studies.report.labels import model_label
 from studies.report.numbers import (
     MISSING,
     difference_text,
     measured_text,
+    number_text,
     signed,
     typeset,
+    up,
     value_text,
 )
 from studies.report.tables import Table, table_of
-from studies.results.rows import REACHED, Row, difference_percent
+from studies.results.rows import FOLDED_BACK, REACHED, Row, difference_percent
 
 CHAINS: Final = (
     "closed_form",
@@ -30,6 +33,8 @@ CHAINS: Final = (
     "closed_form_outline",
 )
 PRINTED: Final = ("paper_closed_form", "paper_ansys", "paper_experiment")
+# Half of the last digit of a printed length.
+PRINT_MM: Final = 0.5
 # Full 3D with the paper's elements, which are a case of their own.
 TETRAHEDRA: Final = "tetrahedra"
 SOLVED: Final = ("axisymmetric", "full3d", TETRAHEDRA)
@@ -54,11 +59,14 @@ class Answers:
     tetrahedra: CaseResult
     pressure_kpa: float
 
-    @property
-    def modes(self) -> str:
-        """Unstable modes: axisymmetric, full 3D, tetrahedra."""
-        runs = (self.case.axisymmetric, self.case.full3d, self.tetrahedra.full3d)
-        return " / ".join(modes(of_model, self.pressure_kpa) for of_model in runs)
+    def modes(self, model: str) -> str:
+        """Unstable modes of a model's finest run; a dash where none are counted."""
+        runs = {
+            "axisymmetric": self.case.axisymmetric,
+            "full3d": self.case.full3d,
+            TETRAHEDRA: self.tetrahedra.full3d,
+        }
+        return modes(runs.get(model, ()), self.pressure_kpa)
 
     def of(self, model: str) -> Row:
         """Elongation by a model."""
@@ -68,6 +76,15 @@ class Answers:
     def best(self) -> Row:
         """The best finite-element answer."""
         return self.case.best_tip(self.pressure_kpa)
+
+    def centre(self) -> Row:
+        """Elongation at the middle of the closed end by the same run."""
+        best = self.best()
+        return self.case.row("tip_centre_mm", best.model, self.pressure_kpa, best.level)
+
+    def bulge_mm(self) -> float:
+        """By how much the middle of the closed end goes further than its rim, mm; NaN where not known."""
+        return self.centre().value - self.best().value
 
 
 def at_pressures(results: PaperResults, pressures_kpa: Sequence[float] = PRESSURES_KPA) -> Iterator[Answers]:
@@ -88,7 +105,22 @@ def _value(model: str) -> Callable[[Answers], str]:
 
 
 def _less(model: str, reference: str) -> Callable[[Answers], str]:
-    return lambda a: difference_text(a.of(model), a.of(reference))
+    return lambda a: difference(a.of(model), a.of(reference))
+
+
+def difference(row: Row, reference: Row) -> str:
+    """Signed difference, mm, with the sum of what uncertainties the two have, and in percent of the second."""
+    gap, doubt = row.value - reference.value, [u for u in (_doubt(row), _doubt(reference)) if math.isfinite(u)]
+    if not math.isfinite(gap) or reference.value == 0.0:
+        return MISSING
+    digits = 1 if row.model in PRINTED or reference.model in PRINTED else 2
+    text = typeset(gap, f"+.{digits}f") + (f" ± {up(sum(doubt), digits)}" if doubt else "")
+    return f"{text} ({signed(difference_percent(row.value, reference.value))} %)"
+
+
+def _doubt(row: Row) -> float:
+    """Uncertainty of a row, mm; of a printed number half its last digit; NaN where there is none."""
+    return PRINT_MM if row.model in PRINTED else row.uncertainty
 
 
 def _error(model: str) -> Callable[[Answers], str]:
@@ -97,26 +129,40 @@ def _error(model: str) -> Callable[[Answers], str]:
     def text(answers: Answers) -> str:
         row = answers.of(model)
         state = row.status.removeprefix(REACHED).strip(", ") if is_known(row) else ""
-        return ", ".join(filter(None, (difference_text(row, answers.best()), state)))
+        folded = row.status == FOLDED_BACK
+        return state if folded else ", ".join(filter(None, (difference(row, answers.best()), state)))
 
     return text
 
 
 def answers(results: PaperResults) -> Table:
-    """Elongation at 20 kPa of each actuator by every model and by the paper, and unstable modes."""
+    """Elongation at 20 kPa of each actuator by the best finite-element model and by the closed form, mm."""
     columns: dict[str, Callable[[Answers], str]] = {
-        "actuator": lambda a: a.actuator.name,
-        "silicone, inferred": lambda a: SILICONES[a.actuator.silicone],
-        **{label_of(model): _value(model) for model in (*CHAINS[:3], *SOLVED, *PRINTED)},
-        "unstable modes: axisymmetric / full 3D / tetrahedra": lambda a: a.modes,
+        "actuator": lambda a: called(a.actuator),
+        "finite elements, mm": lambda a: value_text(a.best()),
+        "closed form, mm": _value("closed_form"),
+        "closed form less finite elements, mm (%)": _error("closed_form"),
     }
-    return table_of(at_pressures(results, (HIGHEST_KPA,)), columns, left=(0, 1))
+    return table_of(at_pressures(results, (HIGHEST_KPA,)), columns, left=(0,))
+
+
+def centres(results: PaperResults) -> Table:
+    """Elongation at 20 kPa at the middle of the closed end beside that of its rim, mm, best finite-element answer."""
+    columns: dict[str, Callable[[Answers], str]] = {
+        "actuator": lambda a: called(a.actuator),
+        "rim, mm": lambda a: value_text(a.best()),
+        "middle, mm": lambda a: number_text(a.centre().value, ".2f"),
+        "middle less rim, mm (%)": lambda a: difference_text(a.centre(), a.best()),
+        "over the uncertainty": lambda a: number_text(a.bulge_mm() / a.best().uncertainty, ".0f"),
+        "paper: test, mm": _value("paper_experiment"),
+    }
+    return table_of(at_pressures(results, (HIGHEST_KPA,)), columns, left=(0,))
 
 
 def closed_form_errors(results: PaperResults) -> Table:
     """Each chain less the best finite-element answer, mm and percent of it, by actuator and pressure (kPa)."""
     columns: dict[str, Callable[[Answers], str]] = {
-        "actuator": lambda a: a.actuator.name,
+        "actuator": lambda a: called(a.actuator),
         "pressure, kPa": lambda a: f"{a.pressure_kpa:g}",
         "finite elements": lambda a: model_label(a.best().model),
         "elongation, mm": lambda a: value_text(a.best()),
@@ -128,7 +174,7 @@ def closed_form_errors(results: PaperResults) -> Table:
 def model_errors(results: PaperResults) -> Table:
     """The finite-element answers against each other: axisymmetric and tetrahedra less hexahedra, mm (%)."""
     columns: dict[str, Callable[[Answers], str]] = {
-        "actuator": lambda a: a.actuator.name,
+        "actuator": lambda a: called(a.actuator),
         "pressure, kPa": lambda a: f"{a.pressure_kpa:g}",
         **{f"{label_of(model)}, mm": _value(model) for model in (*SOLVED, "sector")},
         **{f"{model} less full 3D, mm (%)": _less(model, "full3d") for model in ("axisymmetric", TETRAHEDRA)},
@@ -136,95 +182,52 @@ def model_errors(results: PaperResults) -> Table:
     return table_of(at_pressures(results), columns, left=(0,))
 
 
-@dataclass(frozen=True)
-class Compared:
-    """A model's answer at 20 kPa beside what the paper prints."""
-
-    actuator: str
-    model: str
-    row: Row
-    ansys: Row
-    test: Row
-
-    def against(self, printed: Row) -> tuple[str, str, str]:
-        """Signed difference, absolute difference, percentage; dashes of what is printed with itself."""
-        if printed is self.row or not (is_known(self.row) and is_known(printed)):
-            return MISSING, MISSING, MISSING
-        gap = self.row.value - printed.value
-        return typeset(gap, "+.1f"), f"{abs(gap):.1f}", signed(difference_percent(self.row.value, printed.value))
-
-
-def compared(results: PaperResults) -> list[Compared]:
-    """Every model's answers at 20 kPa, the paper's own models among them."""
-    models = ("paper_closed_form", "paper_ansys", *CHAINS[:3], *SOLVED)
-    return [
-        Compared(a.actuator.name, model, a.of(model), a.of("paper_ansys"), a.of("paper_experiment"))
-        for a in at_pressures(results, (HIGHEST_KPA,))
-        for model in models
-    ]
-
-
 def printed_errors(results: PaperResults) -> Table:
-    """Every model at 20 kPa less the paper's ANSYS and less its test: signed and absolute, mm, and percent."""
-    lines = (
-        (c.actuator, label_of(c.model), value_text(c.row), *c.against(c.ansys), *c.against(c.test))
-        for c in compared(results)
-    )
-    header = tuple(f"{what} {other}" for other in ("ANSYS", "test") for what in ("less", "absolute, mm,", "%, of"))
-    return Table(("actuator", "model", "elongation, mm", *header), tuple(lines), left=(0, 1))
-
-
-def mean_errors(results: PaperResults) -> Table:
-    """By model: mean absolute difference from ANSYS and test at 20 kPa (mm, %) over the actuators it is good for."""
-    by_model: dict[str, list[Compared]] = {}
-    for found in compared(results):
-        of_model = by_model.setdefault(found.model, [])
-        of_model += [found] if means_something(found.row) and is_known(found.ansys) else []
+    """Elongation at 20 kPa by every model and by the paper, less its ANSYS and its test, mm (%), and unstable modes."""
     lines = []
-    for model, of_model in by_model.items():
-        cells: list[str] = []
-        for pairs in ([(c.row, c.ansys) for c in of_model], [(c.row, c.test) for c in of_model]):
-            cells.append(_mean([abs(row.value - printed.value) for row, printed in pairs]))
-            cells.append(_mean([abs(difference_percent(row.value, printed.value)) for row, printed in pairs]))
-        lines.append((label_of(model), f"{len(of_model)}", *cells))
-    header = ("model", "actuators", "from ANSYS, mm", "from ANSYS, %", "from the test, mm", "from the test, %")
-    return Table(header, tuple(lines))
-
-
-def _mean(values: Sequence[float]) -> str:
-    return f"{sum(values) / len(values):.1f}" if values else MISSING
-
-
-def assumptions(results: PaperResults) -> Table:
-    """What the model assumes, measured in the axisymmetric states, beside the model's value, by pressure (kPa)."""
-    lines = []
-    for name in REFERENCE_SCENES:
-        case = results.named(name)
-        for quantity, label in ASSUMPTIONS.items():
-            cells = [
-                _beside(case.row(quantity, pressure_kpa=p), case.row(quantity, "closed_form", p)) for p in PRESSURES_KPA
-            ]
-            if any(cell != MISSING for cell in cells):
-                lines.append((name, label, *cells))
-    header = ("actuator", "what", *(f"{pressure:g} kPa" for pressure in PRESSURES_KPA))
+    for a in at_pressures(results, (HIGHEST_KPA,)):
+        printed = [a.of("paper_ansys"), a.of("paper_experiment")]
+        for model in (*CHAINS, *SOLVED, *PRINTED):
+            row = a.of(model)
+            others = [of if row.model != of.model and means_something(row) else no_row() for of in printed]
+            gaps = (difference(row, of) for of in others)
+            lines.append((called(a.actuator), label_of(model), value_text(row), *gaps, a.modes(model)))
+    header = ("actuator", "model", "elongation, mm", "less ANSYS, mm (%)", "less test, mm (%)", "unstable modes")
     return Table(header, tuple(lines), left=(0, 1))
 
 
-def _beside(found: Row, model: Row) -> str:
-    """A measured number and the model's, which is off by so many percent of the measured one."""
-    if not is_known(model) or found.status == MISSING:
-        return measured_text(found)
-    if not is_known(found) or found.value == 0.0:
-        return f"{measured_text(found)}; model {model.value:.4g}"
-    percent = difference_percent(model.value, found.value)
-    return f"{measured_text(found)}; model {model.value:.4g} ({signed(percent)} %)"
+def assumptions(results: PaperResults) -> Table:
+    """What the closed form assumes at 20 kPa beside what is measured in the axisymmetric states, three digits."""
+    lines = []
+    for actuator in REFERENCE:
+        case = results.named(actuator.name)
+        for quantity, label in ASSUMPTIONS.items():
+            found, model = case.row(quantity), case.row(quantity, "closed_form")
+            if found.status != MISSING:
+                lines.append((called(actuator), label, *_beside(found, model)))
+    header = ("actuator", f"at {HIGHEST_KPA:g} kPa", "finite elements", "closed form", "closed form is off by, %")
+    return Table(header, tuple(lines), left=(0, 1))
+
+
+def _beside(found: Row, model: Row) -> tuple[str, str, str]:
+    """A measured number, the closed form's, and by how many percent of the measured one that is off."""
+    known = is_known(found) and is_known(model) and found.value != 0.0
+    off = signed(difference_percent(model.value, found.value)) if known else MISSING
+    return number_text(found.value, "#.3g"), number_text(model.value, "#.3g"), off
+
+
+def assumptions_percent(results: PaperResults) -> float:
+    """Largest uncertainty of the measured numbers in `assumptions`, percent; NaN if there are none."""
+    rows = [results.named(name).row(quantity) for name in REFERENCE_SCENES for quantity in ASSUMPTIONS]
+    found = [100.0 * row.uncertainty / abs(row.value) for row in rows if is_known(row) and row.value]
+    return max(filter(math.isfinite, found), default=math.nan)
 
 
 def unfoldings(results: PaperResults) -> Table:
     """Pressure (kPa) at which the roots are unfolded: finite elements beside the closed form."""
     lines = []
-    for name in REFERENCE_SCENES:
-        found, model = (results.unfolding(name, of) for of in ("axisymmetric", "closed_form"))
-        lines.append((name, measured_text(found), measured_text(model), difference_text(model, found)))
+    for actuator in REFERENCE:
+        found, model = (results.unfolding(actuator.name, of) for of in ("axisymmetric", "closed_form"))
+        lines.append((called(actuator), measured_text(found), measured_text(model), difference_text(model, found)))
     header = ("actuator", "axisymmetric, kPa", "closed form, kPa", "closed form less axisymmetric, kPa (%)")
     return Table(header, tuple(lines))

@@ -15,22 +15,25 @@ from typing import Any, Final
 import click
 from mpi4py import MPI
 
+from analytical.bellows.paper import PRINTED_MASS_G
 from studies.engine import FAULTS, Page, Setting, Solved, Study, farm
 from studies.models.axisymmetric import run_axisymmetric
 from studies.models.full3d import run_full3d
 from studies.models.session import SCENE_FILE, run_plan
 from studies.paper import bonds, errors, times, variants
 from studies.paper.acceptance import bars, misses
-from studies.paper.cases import AUDIT_BODY_LEVEL, PARTS, Case, Group, case_text
+from studies.paper.cases import AUDIT_BODY_LEVEL, HIGHEST_KPA, PARTS, Case, Group, case_text
 from studies.paper.cases import cases as all_cases
 from studies.paper.claims import claims
 from studies.paper.drawing.pictures import STATES, draw_all
+from studies.paper.imperfection import eccentric_core
 from studies.paper.results import CaseResult, PaperResults, read_results
-from studies.paper.summary import in_short, notes, stops
+from studies.paper.setup import discretisation, silicones, sizes
+from studies.paper.summary import in_short, notes, silicone_mass, stops
 from studies.planning.bellows import SECTOR_LEVELS, plan_bellows
 from studies.planning.levels import BODY_MERIDIANS
 from studies.report import scene_tables
-from studies.report.numbers import duration
+from studies.report.numbers import duration, number_text, rounded_up
 from studies.report.scene_report import SceneReport
 from studies.report.tables import Table, facts_table
 from studies.results.run_files import SUMMARY_FILE
@@ -154,7 +157,13 @@ def content(results: PaperResults, pictures: Mapping[str, str]) -> dict[str, Any
         "variants": variants,
         "bonds": bonds,
         "times": times,
-        "in_short": in_short(results, found),
+        "setup": setup(),
+        "in_short": in_short(results),
+        "assumptions_percent": number_text(rounded_up(errors.assumptions_percent(results), 1), "g"),
+        "imperfection": eccentric_core(results),
+        "printed_mass": f"{PRINTED_MASS_G:g}",
+        "silicone_mass": silicone_mass(results),
+        "highest": f"{HIGHEST_KPA:g}",
         "misses": misses(results),
         "claims": Table(("", "the paper says", "the rows say", "verdict"), lines, left=(1, 2, 3)),
         "core_wall": duration(times.seconds(run.summary for case in results.of("core") for run in case.runs)),
@@ -165,6 +174,18 @@ def content(results: PaperResults, pictures: Mapping[str, str]) -> dict[str, Any
         "runs": facts_table(scene_tables.stamps_of(results.summaries)),
         "pictures": pictures,
         "states": {name.removeprefix(STATES): name for name in pictures if name.startswith(STATES)},
+    }
+
+
+def setup() -> dict[str, Any]:
+    """What is solved, for the section of that name."""
+    return {
+        "dimensions": sizes.dimensions(),
+        "sets": sizes.sets(),
+        "silicones": silicones.silicones(),
+        "makers_modulus": silicones.makers_modulus(),
+        "elements": discretisation.elements(),
+        "meridians": discretisation.meridians(),
     }
 
 
@@ -199,7 +220,7 @@ STUDY: Final = Study(
             multiple=True,
             default=("core", "variants"),
             show_default=True,
-            help="Parts to run: the four actuators, variants of them, finer meshes that its bands have to hold.",
+            help="Parts to run: the four actuators, variants of them, finer meshes to hold its uncertainties against.",
         ),
     ),
     prepare=prepare,

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 
-from studies.paper.acceptance import main_bars
+from studies.paper.acceptance import bars
 from studies.paper.bonds import BONDED_PERCENT, verdicts
 from studies.paper.cases import HIGHEST_KPA, PRESSURES_KPA, REFERENCE, REFERENCE_SCENES, RING_VARIANTS, SETS, THICK
-from studies.paper.claims import Claim
-from studies.paper.errors import CHAINS
+from studies.paper.errors import CHAINS, at_pressures
 from studies.paper.results import CaseResult, PaperResults, common_levels, is_known, last_kpa, means_something
+from studies.paper.setup.sizes import CALLED
 from studies.paper.variants import REFERENCE_RING, nearer, readings
-from studies.paper.verdicts import HOLDS, UNDECIDED
 from studies.report.labels import model_label, run_label
 from studies.report.numbers import MISSING, signed
 from studies.results.closed_form_rows import validity_notes
@@ -20,24 +20,26 @@ from studies.results.rows import FOLDED_BACK, REACHED, Row, difference_percent
 _NAMES_SHOWN = 4
 
 
-def in_short(results: PaperResults, found: Sequence[Claim]) -> tuple[str, ...]:
-    """The study's answers, a sentence each; what has not been run is said to be missing."""
-    return (
-        _must_show(results),
-        *(_chain(results, model) for model in CHAINS[:3]),
-        _printed(results, "paper_ansys", "the paper's ANSYS"),
-        _printed(results, "paper_experiment", "the paper's test"),
-        _sets(results),
-        _convention(results),
-        _rings(results),
-        _bonds(results),
-        _beyond(results),
-        _claims(found),
-    )
+def in_short(results: PaperResults) -> dict[str, str]:
+    """What each section says in a sentence, by a short name; what has not been run is said to be missing."""
+    return {
+        "chain": _chain(results, CHAINS[0]),
+        "ansys": _printed(results, "paper_ansys", "the paper's ANSYS"),
+        "test": _printed(results, "paper_experiment", "the paper's test"),
+        "other_chains": " ".join(_chain(results, model) for model in CHAINS[1:]),
+        "middle": _middle(results),
+        "mechanism": _mechanism(results),
+        "sets": _sets(results),
+        "convention": _convention(results),
+        "rings": _rings(results),
+        "bonds": _bonds(results),
+        "beyond": _beyond(results),
+        "must_show": _must_show(results),
+    }
 
 
 def _must_show(results: PaperResults) -> str:
-    verdicts = [bar.met for bar in main_bars(results)]
+    verdicts = [bar.met for bar in bars(results)]
     met, not_met, not_run = (verdicts.count(verdict) for verdict in (True, False, None))
     return (
         f"Of {len(verdicts)} numbers that the study must show {met} are met, {not_met} are not, "
@@ -45,28 +47,57 @@ def _must_show(results: PaperResults) -> str:
     )
 
 
+def _middle(results: PaperResults) -> str:
+    """How much further the middle of the closed end goes than its rim."""
+    found = [a for a in at_pressures(results, (HIGHEST_KPA,)) if math.isfinite(a.bulge_mm())]
+    if not found:
+        return "How far the middle of the closed end goes has not been found."
+    gaps = [a.bulge_mm() for a in found]
+    ratios = [a.bulge_mm() / a.best().uncertainty for a in found if a.best().uncertainty > 0.0]
+    times = f", {min(ratios):.0f} to {max(ratios):.0f} times the uncertainty" if ratios else ""
+    return (
+        f"At {HIGHEST_KPA:g} kPa the middle of the closed end goes {min(gaps):.1f} to {max(gaps):.1f} mm further than "
+        f"its rim{times}."
+    )
+
+
+def _mechanism(results: PaperResults) -> str:
+    """How long the actuators are at the lowest pressure, and how little their side walls have stretched there."""
+    low = PRESSURES_KPA[0]
+    cases = [results.named(name) for name in REFERENCE_SCENES]
+    pairs = [(case.row("wall_stretch", pressure_kpa=low), case.best_tip(low)) for case in cases]
+    known = [(wall.value, tip.value) for wall, tip in pairs if is_known(wall) and is_known(tip)]
+    if not known:
+        return "The stretch of the side walls has not been measured."
+    (least, most), (short, long) = ((min(of), max(of)) for of in zip(*known, strict=True))
+    return (
+        f"At {low:g} kPa the actuators are {short:.0f} to {long:.0f} mm longer than at rest, while the side walls have "
+        f"stretched by a factor of {least:.2f} to {most:.2f} along their length."
+    )
+
+
 def _chain(results: PaperResults, model: str) -> str:
     """How far a chain is from the best finite-element answer, over actuators and pressures."""
     cases = [results.named(name) for name in REFERENCE_SCENES]
     pairs = [(case.tip(model, pressure), case.best_tip(pressure)) for case in cases for pressure in PRESSURES_KPA]
-    label = model_label(model).capitalize()
+    label = f"The {model_label(model)}"
     if any(row.status == FOLDED_BACK for row, _ in pairs):
         label += " (where it has not folded back)"
-    return f"{label} against finite elements: {_spread(pairs)} over the actuators and pressures."
+    return f"{label} differs from finite elements by {_spread(pairs)} over the actuators and pressures."
 
 
 def _printed(results: PaperResults, model: str, label: str) -> str:
     """How far the best finite-element answers are from printed numbers."""
     cases = [results.named(name) for name in REFERENCE_SCENES]
     spread = _spread((case.best_tip(), case.tip(model)) for case in cases)
-    return f"Finite elements against {label} at {HIGHEST_KPA:g} kPa: {spread}."
+    return f"Finite elements differ from {label} at {HIGHEST_KPA:g} kPa by {spread}."
 
 
 def _spread(pairs: Iterable[tuple[Row, Row]]) -> str:
     """Range of the differences of pairs, percent of the second."""
     known = [(one.value, other.value) for one, other in pairs if means_something(one) and is_known(other)]
     found = [difference_percent(*pair) for pair in known]
-    return f"{signed(min(found))} to {signed(max(found))} %" if found else "not run"
+    return f"{signed(min(found))} to {signed(max(found))} %" if found else f"{MISSING} (not run)"
 
 
 def _sets(results: PaperResults) -> str:
@@ -82,8 +113,8 @@ def _sets(results: PaperResults) -> str:
 
 def _convention(results: PaperResults) -> str:
     found = {name: nearer(*readings(results, name)) for name in THICK}
-    parts = (f"{name} {'not run' if answer == MISSING else answer}" for name, answer in found.items())
-    return f"Ogden convention nearer to the paper's ANSYS: {', '.join(parts)}."
+    parts = (f"{CALLED[name]}: {'not run' if answer == MISSING else answer}" for name, answer in found.items())
+    return f"The convention that is nearer to the paper's ANSYS is, for {'; for '.join(parts)}."
 
 
 def _rings(results: PaperResults) -> str:
@@ -109,26 +140,25 @@ def _bonds(results: PaperResults) -> str:
     sentences = verdicts(results)
     bonded, changed = (sum(word in sentence for sentence in sentences) for word in (": bonded", ": model change"))
     return (
-        f"Of {len(sentences)} softer bonds {bonded} change the tip by at most {BONDED_PERCENT:g} % "
+        f"Of {len(sentences)} layers of adhesive {bonded} change the tip by at most {BONDED_PERCENT:g} % "
         f"and count as bonded, {changed} are a change of model; the report's own bond is rigid."
     )
 
 
 def _beyond(results: PaperResults) -> str:
     parts = [
-        f"{case.case.base} {min(last_kpa(run) for run in case.axisymmetric):.4g} kPa"
+        f"{CALLED[case.case.base]}: {min(last_kpa(run) for run in case.axisymmetric):.4g} kPa"
         for case in results.of("beyond")
         if case.axisymmetric
     ]
-    return f"Reached when asked for 30 kPa, all meshes: {', '.join(parts) or 'not run'}."
+    return f"Requested up to 30 kPa; reached on all meshes by {'; by '.join(parts) or 'none: not run'}."
 
 
-def _claims(found: Sequence[Claim]) -> str:
-    verdicts = [claim.verdict for claim in found]
-    hold, open_ = verdicts.count(HOLDS), verdicts.count(UNDECIDED)
-    return (
-        f"Of {len(found)} claims of the paper {hold} hold, {len(found) - hold - open_} do not, {open_} cannot be told."
-    )
+def silicone_mass(results: PaperResults) -> str:
+    """Range of the mass of silicone of the four actuators, g, from their meshes."""
+    rows = [results.named(name).row("silicone_g", pressure_kpa=None) for name in REFERENCE_SCENES]
+    known = [row.value for row in rows if is_known(row)]
+    return f"{min(known):.0f} to {max(known):.0f} g" if known else "not found"
 
 
 def stops(results: PaperResults) -> tuple[str, ...]:

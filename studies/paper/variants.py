@@ -27,6 +27,7 @@ from studies.paper.results import (
     modes,
     no_row,
 )
+from studies.paper.setup.sizes import CALLED, called
 from studies.report.labels import TIP_FORCE, run_label
 from studies.report.numbers import MISSING, count, difference_text, measured_text, number_text, short_time, value_text
 from studies.report.tables import Table, table_of
@@ -73,7 +74,7 @@ def conventions(results: PaperResults) -> Table:
         eq3, eq20, ansys = readings(results, name)
         values = map(value_text, (eq3, eq20, ansys))
         gaps = (difference_text(row, ansys, 1) for row in (eq3, eq20))
-        lines.append((name, *values, *gaps, nearer(eq3, eq20, ansys)))
+        lines.append((CALLED[name], *values, *gaps, nearer(eq3, eq20, ansys)))
     labels = ("2μ/α² (eq. 3)", "μ/α (eq. 20, ANSYS's own)")
     header = ("actuator", *(f"{label}, mm" for label in labels), "paper: ANSYS, mm")
     header += (*(f"{label} less ANSYS, mm (%)" for label in labels), "nearer to ANSYS")
@@ -105,7 +106,7 @@ def silicones(results: PaperResults) -> Table:
         (another,) = (name for silicone, name in SILICONES.items() if silicone != actuator.silicone)
         for case, label in ((own, f"{SILICONES[actuator.silicone]} (reference)"), (other, another)):
             values = (value_text(case.tip(pressure_kpa=pressure)) for pressure in PRESSURES_KPA)
-            lines.append((actuator.name, label, *values))
+            lines.append((called(actuator), label, *values))
     header = ("actuator", "silicone", *(f"{pressure:g} kPa, mm" for pressure in PRESSURES_KPA))
     return Table(header, tuple(lines), left=(0, 1))
 
@@ -123,7 +124,7 @@ def silicone_effects(results: PaperResults) -> Table:
             "silicone 10 to 30 at 1 mm": (stiff_thin, soft_thin),
             "silicone 10 to 30 at 2 mm": (stiff_thick, soft_thick),
         }
-        lines.append((f"{thin}, {thick}", *(difference_text(*pair, 1) for pair in effects.values())))
+        lines.append((f"{CALLED[thin]}; {CALLED[thick]}", *(difference_text(*pair, 1) for pair in effects.values())))
     return Table(("actuators", *effects), tuple(lines))
 
 
@@ -133,7 +134,7 @@ def silicone_effects(results: PaperResults) -> Table:
 def rings(results: PaperResults) -> Table:
     """Elongation (mm) at 20 kPa and cost of rigid and meshed rings; the error is that against meshed PLA."""
     columns: dict[str, Callable[[CaseResult], str]] = {
-        "actuator": lambda case: case.case.base,
+        "actuator": lambda case: CALLED[case.case.base],
         "rings": lambda case: case.case.label,
         "elongation, mm": lambda case: value_text(case.tip()),
         "less meshed PLA, mm (%)": lambda case: _ring_error(results, case, 0),
@@ -169,9 +170,9 @@ def blocked(results: PaperResults) -> Table:
             thrust = case.row("extension_force_n", "closed_form", pressure)
             lines.append(
                 (
-                    case.case.base,
+                    CALLED[case.case.base],
                     f"{pressure:g}",
-                    *map(value_text, (held, thrust, found)),
+                    *map(_newtons, (held, thrust, found)),
                     difference_text(held, found, 3),
                     difference_text(thrust, found, 3),
                     _where(found.value, thrust.value, held.value),
@@ -181,15 +182,20 @@ def blocked(results: PaperResults) -> Table:
     header = (
         "actuator",
         "pressure, kPa",
-        "closed form, wall pushes",
-        "closed form, thrust alone",
-        "axisymmetric",
+        "closed form, wall pushes, N",
+        "closed form, thrust alone, N",
+        "axisymmetric, N",
         "wall pushes less axisymmetric, N (%)",
         "thrust less axisymmetric, N (%)",
         "axisymmetric is",
         "unstable modes",
     )
     return Table(header, tuple(lines), left=(0, 7))
+
+
+def _newtons(row: Row) -> str:
+    """A force without its unit, which the header has."""
+    return value_text(row).replace(" N", "")
 
 
 def _where(found: float, *two: float) -> str:
@@ -206,7 +212,7 @@ def _where(found: float, *two: float) -> str:
 
 def beyond(results: PaperResults) -> Table:
     """How far every mesh comes when asked for 30 kPa, why it ends, where it is unstable first, and what comes close."""
-    records = [(case.case.base, run) for case in results.of("beyond") for run in case.runs]
+    records = [(CALLED[case.case.base], run) for case in results.of("beyond") for run in case.runs]
     columns: dict[str, Callable[[tuple[str, Run]], str]] = {
         "actuator": lambda r: r[0],
         "model and mesh": lambda r: run_label(r[1].summary.model, r[1].summary.level),
@@ -250,7 +256,7 @@ def stretches(results: PaperResults) -> Table:
         top = known[-1] if known else no_row()
         lines.append(
             (
-                actuator.name,
+                called(actuator),
                 measured_text(case.row("peak_stretch_away")),
                 number_text(top.pressure_kpa, "g"),
                 measured_text(top),

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from types import ModuleType
 from typing import Final
 
+from meshes import bellows, fold, meridian, sweep
 from studies.paper.cases import HIGHEST_KPA, REFERENCE_SCENES
-from studies.paper.drawing import panels, plots
+from studies.paper.drawing import meshes, outline, panels, plots
 from studies.paper.results import CaseResult, PaperResults, is_known
+from studies.paper.setup.sizes import ZIGZAG, scene_file
 from studies.report import curves, style
 from studies.report.drawn import key_of, once
 from studies.report.numbers import value_text
-from studies.report.pictures import bodies, half_sections, outside, roots
+from studies.report.pictures import bodies, half_outlines, half_sections, outside, roots
 from studies.report.pictures.child import draw_side_by_side, draw_states
 from studies.report.pictures.stills import Still
 from studies.report.scene_page import ring_boxes
@@ -53,6 +56,8 @@ def draw_all(folder: Path, results: PaperResults) -> dict[str, str]:
 
     for name, plot in _PLOTS.items():
         add(name, lambda path, plot=plot: once(path, key, lambda: plot(path, results)))  # type: ignore[misc]
+    add("outline", lambda path: _draw_setup(path, REFERENCE_SCENES[0], outline.draw_outlines, (outline, half_outlines)))
+    add("mesh", lambda path: _draw_setup(path, REFERENCE_SCENES[2], meshes.draw_meshes, (meshes,)))
     add("roots", lambda path: _draw_roots(path, results))
     for name in REFERENCE_SCENES:
         stills = _stills(results.named(name))
@@ -61,6 +66,13 @@ def draw_all(folder: Path, results: PaperResults) -> dict[str, str]:
     pair = _stills(results.named(name), (pressure,))
     add("figure4b", lambda path: _draw_stills(path, pair, draw_side_by_side))
     return found
+
+
+def _draw_setup(path: Path, name: str, draw: Callable[[Path, str], str], code: Sequence[ModuleType]) -> str:
+    """Draw an actuator at rest, from its scene files, unless that picture is there."""
+    scenes = [scene_file(name, of) for of in ("", ZIGZAG)]
+    key = key_of(scenes, code=[*code, bellows, fold, meridian, sweep, style])
+    return once(path, key, lambda: draw(path, name))
 
 
 def _draw_stills(path: Path, stills: Sequence[Still], draw: Callable[[Path, Sequence[Still]], str]) -> str:
