@@ -46,6 +46,9 @@ MOULDED: Final = Outline("moulded", "as moulded: fillets 0.5, seats 4 mm", 0.5, 
 FILLETS: Final = Outline("fillet-0.1", "fillets 0.1, seats 4 mm", 0.1, 4.0)
 ZIGZAG: Final = Outline("zigzag", "near the zigzag: fillets 0.1, seats 0.5 mm")
 RIGID_TIP: Final = Outline("zigzag-rigid-tip", "near the zigzag, a rigid plate for the cap", rigid_tip=True)
+SAME_WALL: Final = Outline(
+    "seat-0.5-same-wall", "fillets 0.1, seats 0.5 mm, free wall as with 4 mm", same_free_wall=True
+)
 OUTLINES: Final = (
     MOULDED,
     Outline("fillet-1", "fillets 1, seats 4 mm", 1.0, 4.0),
@@ -57,7 +60,7 @@ OUTLINES: Final = (
     Outline("seat-0.25", "fillets 0.1, seats 0.25 mm", 0.1, 0.25),
     RIGID_TIP,
     Outline("zigzag-no-rings", "near the zigzag, no rings", rings=False),
-    Outline("seat-0.5-same-wall", "fillets 0.1, seats 0.5 mm, free wall as with 4 mm", same_free_wall=True),
+    SAME_WALL,
 )
 
 

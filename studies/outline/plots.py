@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Final
 
-from studies.outline.split import CAUSES, Split
-from studies.report.style import BELOW, BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, figure_file, grid
+from studies.outline.split import CAUSES, OF_OUTLINE, Split
+from studies.report.style import BELOW, BLACK, BLUE, GREEN, VERMILION, figure_file, grid
 
-_COLOURS = dict(zip(CAUSES, (ORANGE, VERMILION, PURPLE, GREEN, SKY, BLUE), strict=True))
+# Stretches of eq. (23); what else there is near the zigzag; what the outline as moulded adds.
+_COLOURS: Final[Mapping[str, str]] = {
+    **dict.fromkeys(("root", "hoop", "wall"), VERMILION),
+    **dict.fromkeys(("pitch", "bends", "middle", "ends", "cap"), GREEN),
+    **dict.fromkeys(OF_OUTLINE, BLUE),
+}
 
 
 def draw_waterfalls(path: Path, splits: Sequence[Split]) -> None:
@@ -21,19 +27,22 @@ def draw_waterfalls(path: Path, splits: Sequence[Split]) -> None:
     splits
         Of one actuator, by pressure.
     """
-    with figure_file(path, 9.2, 3.6) as figure:
-        places = figure.subplots(1, len(splits), squeeze=False)[0]
-        for axes, found in zip(places, splits, strict=True):
+    whisker = {"color": BLACK, "linewidth": 0.8, "capsize": 2.5, "linestyle": "none"}
+    with figure_file(path, 9.2, 7.0) as figure:
+        for axes, found in zip(figure.subplots(2, 2).flat, splits, strict=True):
             height = found.closed_form_mm
-            axes.bar(0, height, color="#bbbbbb", label="closed form")
-            for place, (cause, value) in enumerate(reversed(list(found.causes_mm.items())), 1):
-                axes.bar(place, value, bottom=height, color=_COLOURS[cause], label=CAUSES[cause])
+            axes.bar(0, height, color="#bbbbbb", label="0  closed form")
+            for place, (name, cause) in enumerate(found.causes.items(), 1):
+                axes.bar(place, cause.value, bottom=height, color=_COLOURS[name], label=f"{place}  {CAUSES[name]}")
                 axes.plot([place - 1.4, place + 0.4], [height, height], color=BLACK, linewidth=0.6)
-                height += value
-            axes.bar(len(CAUSES) + 1, found.elements_mm, color="#555555", label="finite elements, as moulded")
+                height += cause.value
+                axes.errorbar(place, height, cause.band, **whisker)
+            last = len(found.causes) + 1
+            axes.bar(last, found.elements_mm, color="#555555", label=f"{last}  finite elements, as moulded")
+            axes.errorbar(last, found.elements_mm, found.uncertainty_mm, **whisker)
             axes.set_title(f"{found.pressure_kpa:g} kPa{', held' if found.held else ''}", fontsize=10)
-            axes.set_xticks([])
+            axes.set_xticks(range(last + 1))
+            axes.set_ylabel("elongation, mm")
             grid(axes)
-        places[0].set_ylabel("elongation, mm")
-        handles, labels = places[0].get_legend_handles_labels()
-        figure.legend(handles, labels, ncols=3, fontsize=8, **BELOW)
+        handles, labels = axes.get_legend_handles_labels()
+        figure.legend(handles, labels, ncols=2, fontsize=8, **BELOW)
