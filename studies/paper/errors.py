@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 from analytical.bellows.paper import PaperActuator
 from studies.paper.cases import HIGHEST_KPA, PRESSURES_KPA, REFERENCE, REFERENCE_SCENES
@@ -33,6 +33,10 @@ CHAINS: Final = (
     "closed_form_outline",
 )
 PRINTED: Final = ("paper_closed_form", "paper_ansys", "paper_experiment")
+# The two outlines of the same R_i, R_p, t, e and n that are meshed.
+Outline = Literal["as moulded", "near the zigzag"]
+MOULDED: Final = "as moulded"
+ZIGZAG: Final = "near the zigzag"
 # Half of the last digit of a printed length.
 PRINT_MM: Final = 0.5
 # Full 3D with the paper's elements, which are a case of their own.
@@ -87,10 +91,13 @@ class Answers:
         return self.centre().value - self.best().value
 
 
-def at_pressures(results: PaperResults, pressures_kpa: Sequence[float] = PRESSURES_KPA) -> Iterator[Answers]:
-    """Answers of every actuator at every pressure."""
+def at_pressures(
+    results: PaperResults, pressures_kpa: Sequence[float] = PRESSURES_KPA, outline: Outline = MOULDED
+) -> Iterator[Answers]:
+    """Answers of every actuator of an outline at every pressure; tetrahedra are of those as moulded."""
     for actuator in REFERENCE:
-        case, tetrahedra = results.named(actuator.name), results.variant(actuator.name, "tets")
+        case = results.named(actuator.name) if outline == MOULDED else results.near_zigzag(actuator.name)
+        tetrahedra = results.variant(actuator.name, "tets")
         for pressure in pressures_kpa:
             yield Answers(actuator, case, tetrahedra, pressure)
 
@@ -136,14 +143,29 @@ def _error(model: str) -> Callable[[Answers], str]:
 
 
 def answers(results: PaperResults) -> Table:
-    """Elongation at 20 kPa of each actuator by the best finite-element model and by the closed form, mm."""
-    columns: dict[str, Callable[[Answers], str]] = {
-        "actuator": lambda a: called(a.actuator),
-        "finite elements, mm": lambda a: value_text(a.best()),
-        "closed form, mm": _value("closed_form"),
-        "closed form less finite elements, mm (%)": _error("closed_form"),
-    }
-    return table_of(at_pressures(results, (HIGHEST_KPA,)), columns, left=(0,))
+    """Elongation at 20 kPa of each actuator by the closed form and by the best finite elements of both outlines."""
+    lines = []
+    for moulded in at_pressures(results, (HIGHEST_KPA,)):
+        near = results.near_zigzag(moulded.actuator.name).best_tip()
+        known = moulded.of("closed_form")
+        lines.append(
+            (
+                called(moulded.actuator),
+                value_text(known),
+                value_text(moulded.best()),
+                _percent(known, moulded.best()),
+                value_text(near),
+                _percent(known, near),
+            )
+        )
+    columns = ((f"finite elements {o}, mm", f"closed form less those {o}, %") for o in (MOULDED, ZIGZAG))
+    header = ("actuator", "closed form, mm", *(text for pair in columns for text in pair))
+    return Table(header, tuple(lines), left=(0,))
+
+
+def _percent(row: Row, reference: Row) -> str:
+    known = is_known(row) and is_known(reference)
+    return signed(difference_percent(row.value, reference.value)) if known else MISSING
 
 
 def centres(results: PaperResults) -> Table:
@@ -159,8 +181,8 @@ def centres(results: PaperResults) -> Table:
     return table_of(at_pressures(results, (HIGHEST_KPA,)), columns, left=(0,))
 
 
-def closed_form_errors(results: PaperResults) -> Table:
-    """Each chain less the best finite-element answer, mm and percent of it, by actuator and pressure (kPa)."""
+def closed_form_errors(results: PaperResults, outline: Outline = MOULDED) -> Table:
+    """Each chain less the best finite-element answer of an outline, mm (% of it), by actuator and pressure (kPa)."""
     columns: dict[str, Callable[[Answers], str]] = {
         "actuator": lambda a: called(a.actuator),
         "pressure, kPa": lambda a: f"{a.pressure_kpa:g}",
@@ -168,7 +190,7 @@ def closed_form_errors(results: PaperResults) -> Table:
         "elongation, mm": lambda a: value_text(a.best()),
         **{f"{model_label(model)}, mm (%)": _error(model) for model in CHAINS},
     }
-    return table_of(at_pressures(results), columns, left=(0, 2))
+    return table_of(at_pressures(results, outline=outline), columns, left=(0, 2))
 
 
 def model_errors(results: PaperResults) -> Table:
@@ -180,6 +202,18 @@ def model_errors(results: PaperResults) -> Table:
         **{f"{model} less full 3D, mm (%)": _less(model, "full3d") for model in ("axisymmetric", TETRAHEDRA)},
     }
     return table_of(at_pressures(results), columns, left=(0,))
+
+
+def zigzag_models(results: PaperResults) -> Table:
+    """Axisymmetric and full 3D answers near the zigzag, mm, and the first less the second."""
+    columns: dict[str, Callable[[Answers], str]] = {
+        "actuator": lambda a: called(a.actuator),
+        "pressure, kPa": lambda a: f"{a.pressure_kpa:g}",
+        **{f"{label_of(model)}, mm": _value(model) for model in ("axisymmetric", "full3d")},
+        "axisymmetric less full 3D, mm (%)": _less("axisymmetric", "full3d"),
+        "unstable modes: axisymmetric / full 3D": lambda a: f"{a.modes('axisymmetric')} / {a.modes('full3d')}",
+    }
+    return table_of(at_pressures(results, outline=ZIGZAG), columns, left=(0,))
 
 
 def printed_errors(results: PaperResults) -> Table:

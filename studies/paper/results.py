@@ -111,6 +111,10 @@ class PaperResults:
         """An actuator's own case, of the reference set or of an alternate."""
         return self.result_of(next(c for c in cases("core", "alternates") if c.scene == name))
 
+    def near_zigzag(self, name: str) -> CaseResult:
+        """A reference actuator's case near the zigzag of the paper's figure 2."""
+        return self.result_of(next(c for c in cases("zigzag") if c.base == f"zigzag/{name}"))
+
     def unfolding(self, base: str, model: str) -> Row:
         """Pressure (kPa) at which roots are unfolded; from the run to 30 kPa if that to 20 kPa ends before."""
         near, far = (self.variant(base, group).row("unfolding_kpa", model, None) for group in ("core", "beyond"))

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from studies.paper.acceptance import bars
 from studies.paper.bonds import BONDED_PERCENT, verdicts
 from studies.paper.cases import HIGHEST_KPA, PRESSURES_KPA, REFERENCE, REFERENCE_SCENES, RING_VARIANTS, SETS, THICK
-from studies.paper.errors import CHAINS, at_pressures
+from studies.paper.errors import CHAINS, MOULDED, ZIGZAG, Outline, at_pressures
 from studies.paper.results import CaseResult, PaperResults, common_levels, is_known, last_kpa, means_something
 from studies.paper.setup.sizes import CALLED
 from studies.paper.variants import REFERENCE_RING, nearer, readings
@@ -24,6 +24,7 @@ def in_short(results: PaperResults) -> dict[str, str]:
     """What each section says in a sentence, by a short name; what has not been run is said to be missing."""
     return {
         "chain": _chain(results, CHAINS[0]),
+        "chain_near_zigzag": _chain(results, CHAINS[0], ZIGZAG),
         "ansys": _printed(results, "paper_ansys", "the paper's ANSYS"),
         "test": _printed(results, "paper_experiment", "the paper's test"),
         "other_chains": " ".join(_chain(results, model) for model in CHAINS[1:]),
@@ -76,14 +77,13 @@ def _mechanism(results: PaperResults) -> str:
     )
 
 
-def _chain(results: PaperResults, model: str) -> str:
-    """How far a chain is from the best finite-element answer, over actuators and pressures."""
-    cases = [results.named(name) for name in REFERENCE_SCENES]
-    pairs = [(case.tip(model, pressure), case.best_tip(pressure)) for case in cases for pressure in PRESSURES_KPA]
+def _chain(results: PaperResults, model: str, outline: Outline = MOULDED) -> str:
+    """How far a chain is from the best finite-element answer of an outline, over actuators and pressures."""
+    pairs = [(a.of(model), a.best()) for a in at_pressures(results, outline=outline)]
     label = f"The {model_label(model)}"
     if any(row.status == FOLDED_BACK for row, _ in pairs):
         label += " (where it has not folded back)"
-    return f"{label} differs from finite elements by {_spread(pairs)} over the actuators and pressures."
+    return f"{label} differs from finite elements of the actuators {outline} by {_spread(pairs)}."
 
 
 def _printed(results: PaperResults, model: str, label: str) -> str:

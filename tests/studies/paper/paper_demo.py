@@ -133,7 +133,9 @@ def whole() -> PaperResults:
     """Every case of the study as the paper would have it."""
     found = []
     for case in ALL.values():
-        bodies = {"core": ("n8",), "tets": ("n12",), "audit": ("n12r3",) if case.full3d else ()}.get(case.group, ())
+        bodies = {"core": ("n8",), "zigzag": ("n8",), "tets": ("n12",), "audit": ("n12r3",) if case.full3d else ()}.get(
+            case.group, ()
+        )
         levels = ("r8",) if case.group == "audit" else ("r1", "r2", "r4")
         found.append(make_case(case, bodies=bodies, levels=levels, measured={"root_stretch_outer": lambda p: 1.0 + p}))
     return PaperResults(tuple(found))
