@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from studies.models.contact import LIMIT
 from studies.models.modes import FoundCrossing
 from studies.paper.results import CaseResult, PaperResults
+from studies.paper.setup.sizes import CALLED
 
 
 def sideways(case: CaseResult) -> FoundCrossing | None:
@@ -36,20 +37,22 @@ def blocked_sentences(results: PaperResults) -> list[str]:
     if bent:
         said.append(
             "An actuator that is not guided bends sideways (m = 1) "
-            + _listed(f"from {at.pressure_kpa:.2g} kPa on ({case.case.base})" for case, at in bent)
+            + _listed(f"from {at.pressure_kpa:.2g} kPa on ({CALLED[case.case.base]})" for case, at in bent)
             + "."
         )
     if touching:
         said.append(
             "Surfaces touch first "
-            + _listed(f"between {low:.3g} and {high:.3g} kPa ({case.case.base})" for case, (low, high) in touching)
+            + _listed(
+                f"between {low:.3g} and {high:.3g} kPa ({CALLED[case.case.base]})" for case, (low, high) in touching
+            )
             + "; contact is modelled from there on."
         )
     known = [case for case in cases if case.axisymmetric and not first_touch(case)]
     gaps = [(case, min(s.min_gap_mm for s in case.axisymmetric[-1].path)) for case in known]
     known_gaps = [(case, gap) for case, gap in gaps if math.isfinite(gap)]
     if known_gaps:
-        open_ = _listed(f"{gap:.2f} mm ({case.case.base})" for case, gap in known_gaps)
+        open_ = _listed(f"{gap:.2f} mm ({CALLED[case.case.base]})" for case, gap in known_gaps)
         said.append(f"Without touch, the least gap on the way is {open_}.")
     return said
 

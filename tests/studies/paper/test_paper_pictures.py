@@ -74,9 +74,12 @@ def test_blocked_tips_in_words() -> None:
     assert first_touch(case) == (2.5, 5.0)
     assert first_touch(bent(cases("blocked")[0], touch_kpa=99.0)) is None
     said = blocked_sentences(PaperResults((case,)))
-    assert "sideways (m = 1) from 0.47 kPa on (heung-t1-ri5)" in said[0]
-    assert "between 2.5 and 5 kPa (heung-t1-ri5)" in said[1] and len(said) == 2
-    assert "0.50 mm (heung-t1-ri5)" in blocked_sentences(PaperResults((bent(cases("blocked")[0], touch_kpa=99.0),)))[-1]
+    assert "sideways (m = 1) from 0.47 kPa on (t = 1 mm, R_i = 5 mm)" in said[0]
+    assert "between 2.5 and 5 kPa (t = 1 mm, R_i = 5 mm)" in said[1] and len(said) == 2
+    assert (
+        "0.50 mm (t = 1 mm, R_i = 5 mm)"
+        in blocked_sentences(PaperResults((bent(cases("blocked")[0], touch_kpa=99.0),)))[-1]
+    )
     assert blocked_sentences(PaperResults(())) == []
 
 
