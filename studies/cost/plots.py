@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
 from studies.cost.points import Growth, Point, front, per_factorisation
@@ -23,12 +24,15 @@ from studies.report.style import (
     INSIDE,
     PURPLE,
     VERMILION,
+    WINE,
     figure_file,
     style_of,
 )
 
-# Of other programs by their name in turn.
-PEER_COLOURS: Final = (GREEN, PURPLE, BLACK, GREY)
+# Of other programs in turn, as many as there are.
+PEER_COLOURS: Final = (GREEN, PURPLE, BLACK, GREY, WINE)
+# Of other programs by whether they solve the body or its meridian.
+PEER_MARKERS: Final = {"axisymmetric": "D", "full 3D": "h"}
 MARKERS: Final = {"hex": "s", "tet": "^", "tet-p0": "v", "tet-p1": "x", "none": "P"}
 ELEMENTS: Final = {
     "hex": "hexahedra",
@@ -37,6 +41,7 @@ ELEMENTS: Final = {
     "tet-p1": "tetrahedra P1",
     "none": "no cells",
 }
+_NAME_POINTS: Final = 7.5
 _ALONE: Final = {"linestyle": "none"}
 # A ring round a point.
 _RING: Final = {**_ALONE, "marker": "o", "markersize": 14, "markerfacecolor": "none", "markeredgecolor": BLACK}
@@ -66,24 +71,51 @@ def draw_front(path: Path, points: Sequence[Point], whole: bool = False) -> None
     for model in models:
         label = model_label(model.removeprefix("peer_"))
         series.append(_series(fronts[model], {"color": colours[model], "linewidth": 1.4}, label))
-        for element in dict.fromkeys(p.element for p in shown if p.model == model):
-            look = {**_ALONE, "color": colours[model], "marker": MARKERS.get(element, "D")}
-            of = [p for p in shown if (p.model, p.element) == (model, element)]
+        for marker in dict.fromkeys(_marker(p) for p in shown if p.model == model):
+            look = {**_ALONE, "color": colours[model], "marker": marker}
+            of = [p for p in shown if (p.model, _marker(p)) == (model, marker)]
             series.append(_series(of, {**look, "markersize": 6.5, "alpha": 0.8}))
     if default := [p for p in shown if p.default]:
         series.append(_series(default, _RING, "settings of study-paper"))
     for element in dict.fromkeys(p.element for p in shown if not p.is_peer):
         series.append(_series([], {**_ALONE, "color": GREY, "marker": MARKERS[element]}, ELEMENTS[element]))
+    if peers:
+        for solved, marker in PEER_MARKERS.items():
+            series.append(_series([], {**_ALONE, "color": GREY, "marker": marker}, f"other program, {solved}"))
     x_label = f"wall time, s, {'from start to end of the process' if whole else 'without start and imports'}"
     with figure_file(path, 8.6, 5.0) as figure:
         axes = figure.add_subplot()
         add_panel(axes, Panel(series, x_label, "error, %", logarithmic="xy"))
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        for p in (p for line in fronts.values() for p in line):
-            at, name = (p.time_s, p.told_apart_percent), f"{p.element} {p.mesh}"
-            axes.annotate(name, at, (4, 5), textcoords="offset points", fontsize=7.5, color=colours[p.model])
         add_legend(figure, BESIDE)
+        figure.draw_without_rendering()  # so that places in pixels are known
+        _name(axes, [p for line in fronts.values() for p in line], colours)
+
+
+def _marker(p: Point) -> str:
+    """Marker of a point: by its cells, of another program by what it solves."""
+    return PEER_MARKERS[p.group.removeprefix("peers, ")] if p.is_peer else MARKERS[p.element]
+
+
+def _name(axes: Axes, of: Sequence[Point], colours: Mapping[str, str]) -> None:
+    """Write the mesh beside points, from left to right, above what would be written over; equal names once."""
+    dots_per_point = axes.figure.dpi / 72.0
+    taken: list[tuple[float, float, float]] = []
+    written = set()
+    for p in sorted(of, key=lambda p: p.time_s):
+        name = f"{p.element} {p.mesh}"
+        if (p.model, name) in written:
+            continue
+        written.add((p.model, name))
+        at = (p.time_s, p.told_apart_percent)
+        x, y = axes.transData.transform(at) / dots_per_point
+        low, width = y + 5.0, 0.6 * _NAME_POINTS * len(name)
+        while any(x < end and x + width > begin and abs(low - height) < _NAME_POINTS for begin, end, height in taken):
+            low += 1.0
+        taken.append((x, x + width, low))
+        look: dict[str, Any] = {"textcoords": "offset points", "fontsize": _NAME_POINTS, "color": colours[p.model]}
+        axes.annotate(name, at, (4, low - y), **look)
 
 
 def _series(of: Sequence[Point], look: Mapping[str, Any], label: str = "") -> Series:

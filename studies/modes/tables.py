@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from solvers.stability.modes import WAVES
 from studies.models.modes import COUNTED_LEVELS, FoundCrossing, counts_of
 from studies.modes.full3d import BAND
+from studies.modes.pictures import DRAWN_SHARE
 from studies.modes.results import SceneModes
 from studies.report.labels import level_label
 from studies.report.numbers import MISSING, number_text, rounded_up, signed
@@ -45,7 +46,8 @@ def caption(name: str, crossing: FoundCrossing) -> str:
     """What the picture of a scene's mode shows."""
     return (
         f"{name} at {crossing.pressure_kpa:.4g} kPa: straight, and with its critical mode m = {crossing.waves} "
-        "added (its size is nobody's: drawn as 0.4 of the body's radius). Half section; rings are not drawn."
+        "added. A mode has no size of its own: it is drawn so that surfaces stay clear of each other, "
+        f"{DRAWN_SHARE:g} of the body's radius at most. Half section; rings are not drawn."
     )
 
 

@@ -39,7 +39,7 @@ SCENES: Final = provenance.ROOT / "scenes"
 # Half of what full 3D may be uncertain by, so that the axisymmetric model is compared with something better than it.
 CORE_TOLERANCE_PERCENT = 0.5
 BEYOND_KPA = [2.5 * k for k in range(1, 13)]
-# A blocked actuator's folds touch at 3.8 to 12.5 kPa.
+# To beyond where the folds of a blocked 1 mm actuator touch.
 BLOCKED_KPA = [1.0, 2.5, 5.0, 7.5, 10.0]
 # Rings are compared on equal meshes, so their differences need no extrapolation.
 RING_LEVELS = (1, 2)

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Final
 
 from analytical.bellows import chains, loads
+from studies.models.modes import FoundCrossing, read_crossings
 from studies.models.session import SCENE_FILE, SceneResult, read_scene_folder
 from studies.paper.cases import HIGHEST_KPA, Case, Group, cases
 from studies.report.labels import TIP
@@ -43,6 +44,8 @@ class CaseResult:
         Runs, coarsest first.
     rows
         Comparison rows of the scene, and what was measured in its axisymmetric states.
+    modes_counted, crossings
+        True if its axisymmetric states were counted by harmonic; where the counts change, of the finest counted run.
     """
 
     case: Case
@@ -52,6 +55,8 @@ class CaseResult:
     sector: tuple[Run, ...] = ()
     full3d: tuple[Run, ...] = ()
     rows: tuple[Row, ...] = ()
+    modes_counted: bool = False
+    crossings: tuple[FoundCrossing, ...] = ()
 
     @property
     def scene(self) -> BellowsScene:
@@ -139,7 +144,10 @@ def read_results(folder: Path, chosen: Iterable[Case]) -> PaperResults:
         if (place / SCENE_FILE).exists():
             of = read_scene_folder(load_bellows(place / SCENE_FILE), place, current=True)
             rows = (*of.rows, *_measured(place, of))
-            found.append(CaseResult(case, place, of.scene, of.axisymmetric, of.sector, of.full3d, rows))
+            counted = [r.summary.level for r in of.axisymmetric if any(state.unstable_by_m for state in r.path)]
+            crossings = read_crossings(place / f"axisymmetric-{counted[-1]}") if counted else []
+            runs_ = (of.axisymmetric, of.sector, of.full3d)
+            found.append(CaseResult(case, place, of.scene, *runs_, rows, bool(counted), tuple(crossings)))
     return PaperResults(tuple(found))
 
 

@@ -22,6 +22,7 @@ from studies.models.full3d import run_full3d
 from studies.models.session import SCENE_FILE, run_plan
 from studies.paper import bonds, errors, times, variants
 from studies.paper.acceptance import bars, misses
+from studies.paper.blocked import blocked_sentences
 from studies.paper.cases import AUDIT_BODY_LEVEL, HIGHEST_KPA, PARTS, Case, Group, case_text
 from studies.paper.cases import cases as all_cases
 from studies.paper.claims import claims
@@ -171,6 +172,7 @@ def content(results: PaperResults, pictures: Mapping[str, str]) -> dict[str, Any
         "levels": {case.case.scene: scene_tables.convergence(_report_of(case)) for case in results.of("core", "tets")},
         "stops": stops(results),
         "notes": notes(results),
+        "blocked": blocked_sentences(results),
         "runs": facts_table(scene_tables.stamps_of(results.summaries)),
         "pictures": pictures,
         "states": {name.removeprefix(STATES): name for name in pictures if name.startswith(STATES)},

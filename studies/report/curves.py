@@ -84,10 +84,8 @@ def draw_curves(axes: Axes, curves: Sequence[Curve], scale: float = 1.0) -> list
     for place, curve in enumerate(curves):
         style = {**(style_of(curve.model) or next(others)), **curve.look}
         style.setdefault("markersize", scale * {"*": 13.0, "P": 10.0}.get(style["marker"], 6.5))
-        if "markerfacecolor" in style:
-            style["markersize"] *= 1.6
-        elif style["linestyle"] == "none":
-            style |= {"markeredgecolor": edge_of(curve.model), "markeredgewidth": 0.8}
+        if style["linestyle"] == "none":
+            style = {"markeredgecolor": edge_of(curve.model), "markeredgewidth": 0.8, **style}
         if not curve.markers:
             style["marker"] = "none"
         entries.append(

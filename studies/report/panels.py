@@ -46,8 +46,6 @@ class Panel:
         Texts; empty for none.
     logarithmic
         Axes with a logarithmic scale.
-    linear_to
-        The x axis, from 0, is linear up to here and logarithmic beyond; None for one that is neither.
     """
 
     series: Sequence[Series]
@@ -55,7 +53,6 @@ class Panel:
     y_label: str = ""
     title: str = ""
     logarithmic: Literal["", "x", "y", "xy"] = ""
-    linear_to: float | None = None
 
 
 def draw_panels(
@@ -93,9 +90,6 @@ def add_panel(axes: Axes, panel: Panel) -> None:
         axes.plot(series.x, series.y, label=series.label or "_", **series.look)
     for direction in panel.logarithmic if any(len(series.x) for series in panel.series) else "":
         axes.set(**{f"{direction}scale": "log"})  # which needs something to show
-    if panel.linear_to is not None:
-        axes.set_xscale("symlog", linthresh=panel.linear_to)
-        axes.set_xlim(left=0.0)
     axes.set(xlabel=panel.x_label, ylabel=panel.y_label)
     axes.set_title(panel.title, fontsize=10)
     grid(axes, which="both" if panel.logarithmic else "major")

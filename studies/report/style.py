@@ -27,17 +27,17 @@ BLACK, ORANGE, SKY, GREEN, BLUE, VERMILION, PURPLE = (
 )
 
 GREY = "#777777"
+# Paul Tol's: beside all of the above where they do not suffice.
+WINE = "#882255"
 _STYLES: dict[str, dict[str, Any]] = {
     "closed_form": {"color": ORANGE, "linestyle": "--", "marker": "^"},
     "closed_form_printed": {"color": SKY, "linestyle": "-.", "marker": "<"},
     "closed_form_balanced": {"color": GREEN, "linestyle": "-", "marker": "o"},
-    "closed_form_seat": {"color": GREEN, "linestyle": ":", "marker": "v"},
+    "closed_form_seat": {"color": GREY, "linestyle": ":", "marker": "v"},
     "closed_form_outline": {"color": PURPLE, "linestyle": "--", "marker": ">"},
     "axisymmetric": {"color": BLUE, "linestyle": "-", "marker": "o"},
     "sector": {"color": SKY, "linestyle": "-.", "marker": "h"},
     "full3d": {"color": VERMILION, "linestyle": "none", "marker": "s"},
-    # large and hollow: seen round the hexahedra's where both agree
-    "full3d_tets": {"color": VERMILION, "linestyle": "none", "marker": "s", "markerfacecolor": "none"},
     "paper_closed_form": {"color": ORANGE, "linestyle": "none", "marker": "P"},
     "paper_ansys": {"color": PURPLE, "linestyle": "none", "marker": "D"},
     "paper_experiment": {"color": BLACK, "linestyle": "none", "marker": "*"},

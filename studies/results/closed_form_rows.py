@@ -7,7 +7,9 @@ import math
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from analytical.arrays import FloatArray
 from analytical.bellows import paper
 from analytical.bellows.chains import ClosedFormPath, closed_form, closed_form_balanced, closed_form_printed
 from analytical.bellows.dimensions import BellowsDimensions, BellowsError, with_seat
@@ -19,7 +21,7 @@ from studies.results.rows import FOLDED_BACK, REACHED, Row, row
 from studies.scene.bellows import BellowsScene, dimensions_of, shape_of
 from studies.scene.materials import law_of
 
-Chain = Callable[[BellowsDimensions, Law, float], ClosedFormPath]
+Chain = Callable[[BellowsDimensions, Law, ArrayLike], ClosedFormPath]
 
 
 def closed_form_values(scene: BellowsScene, pressure_kpa: float) -> list[tuple[str, float, str]]:
@@ -29,15 +31,8 @@ def closed_form_values(scene: BellowsScene, pressure_kpa: float) -> list[tuple[s
     """
     if scene.load.sense < 0.0:
         return []  # it has no vacuum
-    nominal = dimensions_of(scene)
-    variants: list[tuple[str, Chain, BellowsDimensions]] = [("closed_form", closed_form, nominal)]
-    if scene.rings.model != "none":
-        variants.append(("closed_form_seat", closed_form, with_seat(nominal, scene.rings.seat_mm)))
-    if not scene.blocked:
-        variants.append(("closed_form_printed", closed_form_printed, nominal))
-        variants.append(("closed_form_balanced", closed_form_balanced, nominal))
     out = []
-    for model, chain, dimensions in variants:
+    for model, (chain, dimensions) in _chains(scene).items():
         try:
             value, status = _closed_form_value(scene, chain, dimensions, pressure_kpa)
             out.append((model, value, status))
@@ -76,6 +71,37 @@ def fed_mm(scene: BellowsScene, pressure_kpa: float) -> tuple[float, float]:
 
     fed = elongation(float(chain.root_stretch[0]), float(chain.wall_stretch[0]))
     return fed, fed - elongation(1.0, 1.0)
+
+
+def _chains(scene: BellowsScene) -> dict[str, tuple[Chain, BellowsDimensions]]:
+    """By model the chain and the dimensions it takes."""
+    nominal = dimensions_of(scene)
+    found: dict[str, tuple[Chain, BellowsDimensions]] = {"closed_form": (closed_form, nominal)}
+    if scene.rings.model != "none":
+        found["closed_form_seat"] = (closed_form, with_seat(nominal, scene.rings.seat_mm))
+    if not scene.blocked:
+        found["closed_form_printed"] = (closed_form_printed, nominal)
+        found["closed_form_balanced"] = (closed_form_balanced, nominal)
+    return found
+
+
+def closed_form_curve(scene: BellowsScene, model: str, pressures_kpa: FloatArray) -> FloatArray:
+    """The main quantity of a scene by one of its chains at many pressures (kPa), for curves.
+
+    Returns
+    -------
+    ndarray
+        mm or N, of the shape of the pressures; NaN where the chain has folded back or has no answer.
+    """
+    chain, dimensions = _chains(scene)[model]
+    law = law_of(scene.material)
+    try:
+        if scene.blocked:
+            return held_tip(dimensions, law, pressures_kpa).tip_force_n
+        answer = chain(dimensions, law, pressures_kpa)
+    except BellowsError:
+        return np.full(pressures_kpa.shape, np.nan)
+    return np.where(answer.state == "past the model", np.nan, answer.elongation_mm)
 
 
 def _closed_form_value(

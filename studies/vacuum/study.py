@@ -14,7 +14,7 @@ from studies.models.run_rows import path_rows, requested_rows, run_notes, stops
 from studies.report.labels import level_label
 from studies.report.panels import Panel, Series, draw_panels
 from studies.report.pictures.meridians import draw_shapes
-from studies.report.style import BESIDE, CURVES
+from studies.report.style import CURVES, INSIDE
 from studies.report.tables import Column, Table, per_level, pivot, pressure_of
 from studies.results import provenance
 from studies.results.rows import Row
@@ -64,11 +64,29 @@ def contractions(rows: Sequence[Row]) -> Table:
     return pivot(rows, {"kPa": pressure_of}, columns)
 
 
-def shortening(runs: Sequence[Run], look: Mapping[str, Any]) -> Series:
+def shortening(scene: BellowsScene, runs: Sequence[Run], look: Mapping[str, Any]) -> Series:
     """Shortening over vacuum on the finest meridian."""
-    path = runs[-1].path
+    path, g = runs[-1].path, scene.geometry
     vacuum, shorter = [0.0, *(-e.pressure_kpa for e in path)], [0.0, *(-e.tip_mm for e in path)]
-    return Series(vacuum, shorter, look, runs[-1].summary.scene)
+    label = f"t = {g.wall_mm:g}, $R_i$ = {g.root_radius_mm:g} mm, n = {g.convolutions}"
+    return Series(vacuum, shorter, look, label)
+
+
+def draw_contractions(path: Path, found: Sequence[tuple[BellowsScene, Sequence[Run]]]) -> None:
+    """Draw shortening (mm) over vacuum (kPa), a panel for those that are evacuated as far."""
+    by_range: dict[float, list[tuple[BellowsScene, Sequence[Run]]]] = {}
+    for scene, runs in found:
+        by_range.setdefault(max(map(abs, scene.loads_kpa)), []).append((scene, runs))
+    panels = [
+        Panel(
+            [shortening(*of, look) for of, look in zip(alike, CURVES, strict=False)],
+            "vacuum in the cavity, kPa",
+            "shortening at the tip, mm",
+            f"to {highest:g} kPa",
+        )
+        for highest, alike in sorted(by_range.items())
+    ]
+    draw_panels(path, [panels], (3.4 * len(panels), 3.6), {**INSIDE, "fontsize": 8.0, "loc": "lower right"})
 
 
 def page(solved: Sequence[Solved[BellowsScene, list[Run]]], at: Setting) -> Page:
@@ -80,10 +98,7 @@ def page(solved: Sequence[Solved[BellowsScene, list[Run]]], at: Setting) -> Page
         draw_shapes(at.out / picture, scene, runs[0], folder_of(at.out, scene, runs[0].summary.level))
         notes = [f"{level_label(run.summary.level)}: {note}" for run in runs for note in run_notes(run)]
         sections.append({"scene": scene, "table": contractions(found), "notes": notes, "picture": picture})
-    series = [shortening(done.result, look) for done, look in zip(solved, CURVES, strict=False)]
-    axis = "vacuum in the cavity, kPa (linear to 0.1, then logarithmic)"
-    panel = Panel(series, axis, "shortening at the tip, mm", linear_to=0.1)
-    draw_panels(at.out / "pictures" / "contractions.png", [[panel]], (8.2, 4.4), BESIDE)
+    draw_contractions(at.out / "pictures" / "contractions.png", [(done.case, done.result) for done in solved])
     return Page(rows, {"sections": sections}, stops(rows))
 
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Final
 
 from meshes import bellows, fold, meridian, sweep
 from studies.paper.cases import HIGHEST_KPA, REFERENCE_SCENES
-from studies.paper.drawing import meshes, outline, panels, plots
+from studies.paper.drawing import blocked, lines, meshes, outline, panels, plots
 from studies.paper.results import CaseResult, PaperResults, is_known
 from studies.paper.setup.sizes import ZIGZAG, scene_file
 from studies.report import curves, style
@@ -19,6 +21,7 @@ from studies.report.pictures import bodies, half_outlines, half_sections, outsid
 from studies.report.pictures.child import draw_side_by_side, draw_states
 from studies.report.pictures.stills import Still
 from studies.report.scene_page import ring_boxes
+from studies.results import closed_form_rows
 from studies.results.run_files import field_files
 
 # The actuator and the pressure (kPa) of the view of the paper's Figure 4B; which one that shows is not printed.
@@ -32,9 +35,8 @@ _PLOTS: Final[Mapping[str, Callable[[Path, PaperResults], str]]] = {
     "dimensions": panels.draw_dimensions_matter,
     "beyond": plots.draw_beyond,
     "assumptions": plots.draw_assumptions,
-    "blocked": panels.draw_blocked,
+    "blocked": blocked.draw_blocked,
     "conventions": panels.draw_conventions,
-    "rings": plots.draw_rings,
 }
 
 
@@ -47,7 +49,9 @@ def draw_all(folder: Path, results: PaperResults) -> dict[str, str]:
         By name the address relative to the folder, or a sentence why there is no picture.
     """
     hashes = [run.content_hash for run in results.summaries if run.model == "axisymmetric"]
-    key = key_of(results.rows, hashes, code=[panels, plots, curves, style])
+    crossings = [case.crossings for case in results.cases]
+    code = [blocked, lines, panels, plots, curves, style, closed_form_rows]
+    key = key_of(results.rows, hashes, crossings, code=code)
     found = {}
 
     def add(name: str, draw: Callable[[Path], str]) -> None:
@@ -59,12 +63,17 @@ def draw_all(folder: Path, results: PaperResults) -> dict[str, str]:
     add("outline", lambda path: _draw_setup(path, REFERENCE_SCENES[0], outline.draw_outlines, (outline, half_outlines)))
     add("mesh", lambda path: _draw_setup(path, REFERENCE_SCENES[2], meshes.draw_meshes, (meshes,)))
     add("roots", lambda path: _draw_roots(path, results))
+    top = stretch_top(results)
     for name in REFERENCE_SCENES:
         stills = _stills(results.named(name))
-        add(STATES + name, lambda path, stills=stills: _draw_stills(path, stills, draw_states))  # type: ignore[misc]
+        add(
+            STATES + name,
+            lambda path, stills=stills: _draw_stills(path, stills, lambda: draw_states(path, stills, top), top),  # type: ignore[misc]
+        )
     name, pressure = FIGURE_4B
     pair = _stills(results.named(name), (pressure,))
-    add("figure4b", lambda path: _draw_stills(path, pair, draw_side_by_side))
+    pair = [replace(still, label=f"{name}, {still.label}") for still in pair]
+    add("figure4b", lambda path: _draw_stills(path, pair, lambda: draw_side_by_side(path, pair)))
     return found
 
 
@@ -75,12 +84,18 @@ def _draw_setup(path: Path, name: str, draw: Callable[[Path, str], str], code: S
     return once(path, key, lambda: draw(path, name))
 
 
-def _draw_stills(path: Path, stills: Sequence[Still], draw: Callable[[Path, Sequence[Still]], str]) -> str:
+def stretch_top(results: PaperResults) -> float | None:
+    """Largest stretch of the reference actuators away from the bond's edges, where meshes agree; None if unknown."""
+    rows = [row for case in results.of("core") for row in case.rows if row.quantity == "peak_stretch_away"]
+    return max((row.value for row in rows if row.model == "axisymmetric" and math.isfinite(row.value)), default=None)
+
+
+def _draw_stills(path: Path, stills: Sequence[Still], draw: Callable[[], str], *shown: object) -> str:
     """Draw states of a body unless that picture is there."""
     if not stills:
         return "no fields of full 3D states were kept"
-    key = key_of(stills, files=[still.vtu for still in stills], code=[bodies, half_sections, outside, style])
-    return once(path, key, lambda: draw(path, stills))
+    code = [bodies, half_sections, outside, style]
+    return once(path, key_of(stills, *shown, files=[still.vtu for still in stills], code=code), draw)
 
 
 def _stills(case: CaseResult, pressures_kpa: Sequence[float] = ()) -> list[Still]:

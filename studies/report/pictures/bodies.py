@@ -13,10 +13,12 @@ if TYPE_CHECKING:
     import pyvista
 
 _PIXELS_PER_MM = 11.0
-_LARGEST_WIDTH_PX = 3000
+_LEAST_WIDTH_PX, _LARGEST_WIDTH_PX = 1500, 3000
 MARGIN_MM = 1.0
 RING_REGION = 3
 RING_COLOUR = "#b8b8b8"
+# Points of neighbouring faces that are one.
+_SAME_MM = 1e-5
 _FAR_MM = 2000.0  # from the camera: parallel projection, so anywhere beyond the body
 
 # By VTK's number of a quadratic cell: its faces, corners first, and a face as flat triangles.
@@ -34,10 +36,35 @@ _FACES = {
     ),
 }
 
-_FLAT = {
-    24: np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]),
-    29: np.array([[k, 4 + k, 8] for k in range(4)] + [[4 + k, (k + 1) % 4, 8] for k in range(4)]),
-}
+# A face is drawn as so many flat pieces along an edge: with 8 cells round a circle then has 32 sides.
+_PIECES = 4
+
+
+def _triangle() -> tuple[NDArray[Any], NDArray[Any]]:
+    """Values of a six-node face's functions at the corners of its flat pieces, and these as triangles."""
+    at = [(i, j) for j in range(_PIECES + 1) for i in range(_PIECES + 1 - j)]
+    number = {place: k for k, place in enumerate(at)}
+    s, t = np.array(at, dtype=float).T / _PIECES
+    r = 1.0 - s - t
+    corners, middles = [x * (2.0 * x - 1.0) for x in (r, s, t)], [4.0 * r * s, 4.0 * s * t, 4.0 * t * r]
+    pieces = [(number[i, j], number[i + 1, j], number[i, j + 1]) for i, j in at if i + j < _PIECES]
+    pieces += [(number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]) for i, j in at if i + j < _PIECES - 1]
+    return np.stack([*corners, *middles], axis=1), np.array(pieces)
+
+
+def _square() -> tuple[NDArray[Any], NDArray[Any]]:
+    """The same of a nine-node face: corners, middles of its edges, centre."""
+    x = np.linspace(-1.0, 1.0, _PIECES + 1)
+    low, middle, high = 0.5 * x * (x - 1.0), 1.0 - x**2, 0.5 * x * (x + 1.0)
+    along = {-1: low, 0: middle, 1: high}
+    nodes = ((-1, -1), (1, -1), (1, 1), (-1, 1), (0, -1), (1, 0), (0, 1), (-1, 0), (0, 0))
+    values = np.stack([np.outer(along[t], along[s]).ravel() for s, t in nodes], axis=1)
+    first = (np.arange(_PIECES)[:, None] * (_PIECES + 1) + np.arange(_PIECES)).ravel()
+    ends = first[:, None] + np.array([0, 1, _PIECES + 2, _PIECES + 1])
+    return values, np.vstack([ends[:, [0, 1, 2]], ends[:, [0, 2, 3]]])
+
+
+_CURVED = {24: _triangle(), 29: _square()}
 
 
 def body_of(still: Still) -> pyvista.UnstructuredGrid:
@@ -56,7 +83,7 @@ def body_of(still: Still) -> pyvista.UnstructuredGrid:
 def surface_of(
     body: pyvista.UnstructuredGrid, cells: NDArray[np.bool_], field: str = "stretch_max"
 ) -> pyvista.PolyData:
-    """Outer faces of some of the cells as flat triangles, four or eight to a curved face, with one of the fields.
+    """Outer faces of some of the cells, curved ones as flat pieces, with one of the fields.
 
     VTK's own surface filter keeps most inner faces of ten-node tetrahedra, fifty times too many.
     """
@@ -68,10 +95,12 @@ def surface_of(
     names = np.sort(np.sort(faces[:, : 4 if kind == 29 else 3], axis=1)[:, :3], axis=1)
     _, first, count = np.unique(names, axis=0, return_index=True, return_counts=True)
     outer = faces[first[count == 1]]
-    used, triangles = np.unique(outer[:, _FLAT[kind]].reshape(-1, 3), return_inverse=True)
-    surface = pyvista.PolyData.from_regular_faces(body.points[used], triangles.reshape(-1, 3))
-    surface[field] = body[field][used]
-    return surface
+    values, pieces = _CURVED[kind]
+    points = (values @ body.points[outer]).reshape(-1, 3)
+    triangles = (pieces + len(values) * np.arange(len(outer))[:, None, None]).reshape(-1, 3)
+    surface = pyvista.PolyData.from_regular_faces(points, triangles)
+    surface[field] = (body[field][outer] @ values.T).ravel()
+    return surface.clean(tolerance=_SAME_MM, absolute=True)
 
 
 def ring_shell(ring: RingBox, angles: NDArray[Any]) -> tuple[NDArray[Any], pyvista.PolyData]:
@@ -93,7 +122,7 @@ def plotter_of(width_mm: float, height_mm: float) -> pyvista.Plotter:
     """An empty white scene with its lights, for an image of that size."""
     import pyvista
 
-    pixels = min(_PIXELS_PER_MM, _LARGEST_WIDTH_PX / width_mm)
+    pixels = min(max(_PIXELS_PER_MM, _LEAST_WIDTH_PX / width_mm), _LARGEST_WIDTH_PX / width_mm)
     window = [round(pixels * width_mm), round(pixels * height_mm)]
     plotter = pyvista.Plotter(off_screen=True, window_size=window, lighting="none")
     plotter.set_background("white")

@@ -21,7 +21,7 @@ from studies.report.pictures.stills import RingBox, Still
 _SECONDS = 300.0
 
 
-def draw_states(path: Path, stills: Sequence[Still]) -> str:
+def draw_states(path: Path, stills: Sequence[Still], stretch_top: float | None = None) -> str:
     """Draw the states below each other to one scale in mm, coloured by the largest principal stretch.
 
     Each is a half section: outside above the axis, the front lower quarter taken away below it.
@@ -32,20 +32,22 @@ def draw_states(path: Path, stills: Sequence[Still]) -> str:
         The PNG to write.
     stills
         The states, from top to bottom.
+    stretch_top
+        Stretch at which the colours end; None for the largest of these states.
 
     Returns
     -------
     str
         Empty, or why there is no picture.
     """
-    return _in_child(path, stills, "sections")
+    return _in_child(path, stills, "sections", stretch_top)
 
 
 def draw_side_by_side(path: Path, stills: Sequence[Still]) -> str:
     """Draw the states from outside, below each other to one scale, as they would lie on a table beside a ruler in cm.
 
-    Coloured by the total displacement in bands of mm, as ANSYS does. The view is oblique, see `_VIEW_DEG`; the ruler
-    lies in it along the axis, so what it says holds for places on the axis.
+    Coloured by the total displacement in bands of mm, as ANSYS does. The view is oblique; the ruler lies in it along
+    the axis, so what it says holds for places on the axis: a line leads to it from where the axis leaves the tip.
 
     Parameters
     ----------
@@ -59,10 +61,10 @@ def draw_side_by_side(path: Path, stills: Sequence[Still]) -> str:
     str
         Empty, or why there is no picture.
     """
-    return _in_child(path, stills, "outside")
+    return _in_child(path, stills, "outside", None)
 
 
-def _in_child(path: Path, stills: Sequence[Still], view: str) -> str:
+def _in_child(path: Path, stills: Sequence[Still], view: str, stretch_top: float | None) -> str:
     """Draw a view of the states in a child process; empty, or why there is no picture."""
     missing = [str(still.vtu) for still in stills if not still.vtu.is_file()]
     if missing:
@@ -76,7 +78,7 @@ def _in_child(path: Path, stills: Sequence[Still], view: str) -> str:
     try:
         child = subprocess.run(
             [sys.executable, "-c", code],
-            input=json.dumps({"path": str(path.resolve()), "view": view, "stills": jobs}),
+            input=json.dumps({"path": str(path.resolve()), "view": view, "stills": jobs, "stretch_top": stretch_top}),
             capture_output=True,
             text=True,
             timeout=_SECONDS,
@@ -99,4 +101,7 @@ def draw_here() -> None:
     ]
     os.environ.setdefault("PYVISTA_OFF_SCREEN", "true")
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
-    {"sections": draw_half_sections, "outside": draw_outside}[job["view"]](Path(job["path"]), stills)
+    if job["view"] == "outside":
+        draw_outside(Path(job["path"]), stills)
+    else:
+        draw_half_sections(Path(job["path"]), stills, job["stretch_top"])

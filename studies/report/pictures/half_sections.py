@@ -29,18 +29,24 @@ if TYPE_CHECKING:
 
 _DPI = 160
 _COLOURS = "YlOrRd"  # light to dark, safe for the colour-blind; pale where nothing stretches
+# Much ambient light: colours are to be read off the bar, also inside.
+_LIGHT = {"ambient": 0.8, "diffuse": 0.28}
+_CLIPPED = "; darkest: more than anywhere half a millimetre or more from the bond's edges"
 _SECTION_OFFSET = 1e-6  # of the body's size: beside the mesh's own faces, where a slice is well defined
 
 
-def draw_half_sections(path: Path, stills: Sequence[Still]) -> None:
-    """Draw states below each other to one scale in mm, with one scale of colours; needs a graphics driver."""
+def draw_half_sections(path: Path, stills: Sequence[Still], stretch_top: float | None) -> None:
+    """Draw states below each other to one scale in mm, with one scale of colours; needs a graphics driver.
+
+    The colours end at ``stretch_top``, or at the largest stretch of all states.
+    """
     bodies = [body_of(still) for still in stills]
     boxes = [*(body.bounds for body in bodies), *(_bounds(ring) for still in stills for ring in still.rings)]
     bounds = np.array(boxes).reshape(-1, 3, 2)
     lowest, highest = bounds[:, :, 0].min(axis=0) - MARGIN_MM, bounds[:, :, 1].max(axis=0) + MARGIN_MM
-    largest = max(float(body["stretch_max"].max()) for body in bodies)
+    largest = stretch_top or max(float(body["stretch_max"].max()) for body in bodies)
     images = [_image(body, still.rings, lowest, highest, largest) for body, still in zip(bodies, stills, strict=True)]
-    _compose(path, [still.label for still in stills], images, lowest, highest, largest)
+    _compose(path, [still.label for still in stills], images, (lowest, highest), largest, stretch_top is not None)
 
 
 def _bounds(ring: RingBox) -> tuple[float, ...]:
@@ -86,10 +92,10 @@ def _image(
         surface = surface_of(body, is_ring == of_ring)
         above = surface.clip("x", invert=False, origin=(0.0, 0.0, 0.0))
         behind = surface.clip("x", origin=(0.0, 0.0, 0.0)).clip("y", origin=(0.0, cut, 0.0))
-        for part, brightness in ((above, 1.0), (behind, 0.85)):
+        for part in (above, behind):
             if part.n_cells:
                 part = part.compute_normals(split_vertices=True, feature_angle=40.0)
-                plotter.add_mesh(part, smooth_shading=True, ambient=0.35 * brightness, diffuse=brightness, **colour)
+                plotter.add_mesh(part, smooth_shading=True, **_LIGHT, **colour)
         wanted = (section["region"] == RING_REGION) == of_ring
         if wanted.any():
             face = section.extract_cells(wanted).extract_surface(algorithm="dataset_surface").clean()
@@ -108,25 +114,27 @@ def _compose(
     path: Path,
     labels: Sequence[str],
     images: Sequence[NDArray[np.uint8]],
-    lowest: NDArray[Any],
-    highest: NDArray[Any],
+    box: tuple[NDArray[Any], NDArray[Any]],
     largest: float,
+    clipped: bool,
 ) -> None:
-    """Put the images below each other on axes in mm, with one colour bar."""
+    """Put the images below each other on axes in mm, each below its label, with one colour bar."""
     width_in = 9.6
-    row_in = 0.82 * width_in * (highest[0] - lowest[0]) / (highest[2] - lowest[2]) + 0.12
+    lowest, highest = box
+    row_in = 0.96 * width_in * (highest[0] - lowest[0]) / (highest[2] - lowest[2]) + 0.3
     with figure_file(path, width_in, 1.1 + row_in * len(images), dpi=_DPI) as figure:
         rows = figure.subplots(len(images), 1, sharex=True, squeeze=False)[:, 0]
         for axes, image, label in zip(rows, images, labels, strict=True):
             axes.imshow(image, extent=(lowest[2], highest[2], lowest[0], highest[0]), interpolation="antialiased")
             axes.axhline(0.0, color="black", linewidth=0.6, dashes=(14, 3, 3, 3))
-            axes.set_ylabel(label, rotation=0, ha="right", va="center", fontsize=10)
+            axes.set_title(label, loc="left", fontsize=10)
             axes.set_yticks([])
             axes.spines[:].set_visible(False)
             axes.tick_params(axis="x", length=3 if axes is rows[-1] else 0)
         rows[-1].spines["bottom"].set_visible(True)
         rows[-1].set_xlabel("position along the axis, mm")
         scale = ScalarMappable(Normalize(1.0, largest), _COLOURS)
-        figure.colorbar(scale, ax=rows, location="top", aspect=60, fraction=0.03, pad=0.02).set_label(
-            "largest principal stretch"
+        bar = figure.colorbar(
+            scale, ax=rows, location="top", aspect=60, fraction=0.03, pad=0.02, extend="max" if clipped else "neither"
         )
+        bar.set_label(f"largest principal stretch{_CLIPPED if clipped else ''}")

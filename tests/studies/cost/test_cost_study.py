@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 from mpi4py import MPI
 
+from studies.cost import plots
 from studies.cost import study as cost_study
 from studies.cost.cases import BATCHES, BELLOWS, CELLS, LARGE, TUBE, Batch, Cell, cell_scene, is_default
 from studies.cost.measure import Measurement, keep_quieter, kept_measurement, key_of, measure_cell
@@ -18,6 +22,8 @@ from studies.cost.rows import batch_rows, measured_rows
 from studies.cost.solver_benchmark import STUDY as BENCHMARK
 from studies.cost.study import STUDY, peer_rows, study_rows
 from studies.engine import Page, run
+from studies.peers.cases import PEERS
+from studies.report.style import figure_file
 from studies.results.rows import Row, read_rows, row, write_rows
 from studies.scene.bellows import BellowsScene
 
@@ -101,6 +107,46 @@ def test_errors_below_the_floor_are_equal() -> None:
     lucky = point(5.0, 1e-9)
     enough = point(1.0, 0.5 * BELLOWS_FLOOR_PERCENT)
     assert front([lucky, enough]) == [enough]
+
+
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
+    """The figures that are written."""
+    figures: list[Figure] = []
+
+    @contextmanager
+    def keep(path: Path, width_in: float, height_in: float) -> Iterator[Figure]:
+        with figure_file(path, width_in, height_in) as figure:
+            figures.append(figure)
+            yield figure
+
+    monkeypatch.setattr(plots, "figure_file", keep)
+    return figures
+
+
+def test_every_other_program_has_a_colour_and_meridians_and_bodies_a_marker(
+    tmp_path: Path, drawn: list[Figure]
+) -> None:
+    names = [f"peer_{name}" for name in PEERS]
+    of = [point(1.0 + k, 0.5, "tri6-r1 first", name) for k, name in enumerate(names)]
+    of += [point(9.0 + k, 0.4, "hex27-n8 first", name) for k, name in enumerate(names)]
+    plots.draw_front(tmp_path / "x.png", of, whole=True)
+    (axes,) = drawn[0].axes
+    lines = {line.get_label(): line for line in axes.lines if not line.get_label().startswith("_")}
+    labels = [name.removeprefix("peer_").replace("_", " ") for name in names]
+    assert len({lines[label].get_color() for label in labels}) == len(names)
+    flat, solid = (lines[f"other program, {kind}"].get_marker() for kind in ("axisymmetric", "full 3D"))
+    assert flat != solid
+    places = {line.get_marker(): set(line.get_xdata()) for line in axes.lines if len(line.get_xdata())}
+    assert min(places[solid]) > 9.0 and max(places[flat]) < 9.0 + 3.0
+
+
+def test_names_at_one_error_do_not_lie_on_each_other(tmp_path: Path, drawn: list[Figure]) -> None:
+    of = [point(1.0 + 0.05 * k, 0.001, "tri6-r1 first", f"peer_{name}") for k, name in enumerate(PEERS)]
+    plots.draw_front(tmp_path / "x.png", of, whole=True)
+    boxes = [text.get_window_extent() for text in drawn[0].axes[0].texts]
+    assert len(boxes) == len(of)
+    assert not any(one.overlaps(other) for k, one in enumerate(boxes) for other in boxes[:k])
 
 
 def test_power_law_of_a_power() -> None:

@@ -18,11 +18,13 @@ from studies.models import modes as modes_run
 from studies.models.axisymmetric import run_axisymmetric
 from studies.models.modes import WARNING, counts_of, read_crossings, read_shape
 from studies.modes.full3d import on_full_circle
-from studies.modes.pictures import revolved_mode
+from studies.modes.pictures import DRAWN_SHARE, crosses_itself, drawn_size, revolved_mode
 from studies.progress import Progress
 from studies.results.rows import is_reached, read_rows
 from studies.results.run_files import read_path, read_summary
+from studies.scene.bellows import shape_of
 from studies.scene.load import load_bellows
+from studies.scene.meshes import scene_meridian
 from studies.sweep.farm import run_sweep
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -175,6 +177,30 @@ def test_revolved_drift_is_a_translation_and_revolved_twist_a_turn() -> None:
     twist = revolved_mode(Shape(0, np.column_stack([0 * r, 0 * r, r]), np.zeros((0, 2))), body)
     x, y, _ = body.points.T
     assert twist == pytest.approx(np.column_stack([-y, x, 0 * x]), abs=1e-12)
+
+
+def test_a_mode_is_not_drawn_so_large_that_folds_pass_through_each_other() -> None:
+    scene = load_bellows(ROOT / "scenes" / "smoke-t2-ri5.toml")
+    meridian, g = scene_meridian(scene, 1), scene.geometry
+    still, none = np.zeros_like(meridian.points), np.zeros(len(meridian.points))
+    radius, z = meridian.points.T
+    root = float(np.mean(shape_of(scene).crest_positions_mm[:2]))  # of the first convolution
+    # side walls towards each other; neither the root's arc nor what is beyond the crests
+    high = np.clip(radius - g.root_radius_mm - g.wall_mm - g.fillet_mm, 0.0, 1.0)
+    closing = high * np.sign(root - z) * (np.abs(root - z) < g.half_pitch_mm)
+    full = DRAWN_SHARE * radius.max()
+    # they meet when each has gone half the width between them, which is a fillet; drawn is 0.8 of that, to a step
+    half_width = g.fillet_mm
+    found = drawn_size(Shape(2, np.column_stack([none, closing, none]), np.zeros((0, 2))), meridian, still)
+    assert 0.7 * half_width < found < 0.9 * half_width
+    drift = Shape(1, np.column_stack([none, none + 1.0, none]), np.zeros((0, 2)))
+    assert drawn_size(drift, meridian, still) == pytest.approx(full)
+
+
+def test_a_line_that_crosses_itself_is_known() -> None:
+    zigzag = np.array([[0.0, 0.0], [1.0, 1.0], [2.0, 0.0], [3.0, 1.0]])
+    assert not crosses_itself(zigzag)
+    assert crosses_itself(np.vstack([zigzag, [[0.0, 0.4]]]))
 
 
 def test_modes_of_harmonics_come_in_pairs_round_the_circle() -> None:

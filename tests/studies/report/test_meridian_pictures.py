@@ -100,8 +100,8 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
     figures: list[Figure] = []
 
     @contextmanager
-    def keep(path: Path, width_in: float, height_in: float) -> Iterator[Figure]:
-        with figure_file(path, width_in, height_in) as figure:
+    def keep(path: Path, width_in: float, height_in: float, dpi: int) -> Iterator[Figure]:
+        with figure_file(path, width_in, height_in, dpi) as figure:
             figures.append(figure)
             yield figure
 
@@ -116,22 +116,27 @@ def panel(label: str, half_mm: float, stress_kpa: float) -> RootPanel:
     triangles = np.array([[0, 1, 3], [1, 4, 3], [1, 2, 4], [2, 5, 4]])
     rings = (RingBox(-half_mm, 11.0, 4.0, 2.0), RingBox(half_mm, 11.0, 4.0, 2.0))
     outline = np.array([[-2.0, 8.0], [2.0, 8.0]])
-    return RootPanel(label, points, triangles, np.linspace(1.0, 3.0, 6), np.full(6, stress_kpa), (outline,), rings)
+    stretch = np.linspace(1.0, 3.0, 6) * half_mm / 9.0
+    trusted = np.array([True] * 5 + [False])  # the last node has the largest stretch
+    return RootPanel(label, points, triangles, stretch, np.full(6, stress_kpa), trusted, (outline,), rings)
 
 
 def test_fields_are_drawn_to_one_scale(tmp_path: Path, drawn: list[Figure]) -> None:
     assert draw_root_fields(tmp_path / "x.png", [panel("thin", 9.0, 180.0), panel("thick", 5.0, -20.0)]) == ""
     (figure,) = drawn
-    panels, bars = figure.axes[:4], figure.axes[4:]
+    panels = figure.axes[:4]
+    bars = [axes.child_axes[0] for axes in panels]
     assert [axes.get_title(loc="left") for axes in panels] == ["thin", "", "thick", ""]
+    assert [axes.get_title(loc="right") for axes in panels[:2]] == [
+        "largest principal stretch",
+        "mean stress, kPa, tension positive; bands double",
+    ]
     assert {axes.get_xlim() for axes in panels} == {(-9.6, 9.6)}
     assert {axes.get_aspect() for axes in panels} == {1.0}
-    assert [bar.get_xlabel() for bar in bars] == [
-        "largest principal stretch",
-        "mean stress, kPa (tension positive)",
-    ]
-    assert bars[0].get_xlim()[0] == 1.0
-    assert bars[1].get_xlim() == (-50.0, 200.0)
+    assert all("axial" in axes.get_xlabel() for axes in panels)
+    # a scale of stretch for each row, which ends at the largest trusted value; one of stress
+    assert bars[0].get_ylim() == pytest.approx((1.0, 2.6)) and bars[2].get_ylim() == pytest.approx((1.0, 2.6 * 5 / 9))
+    assert bars[1].get_ylim() == bars[3].get_ylim() == (-50.0, 200.0)
     for axes, half in zip(panels, (9.0, 9.0, 5.0, 5.0), strict=True):
         boxes = [patch.get_bbox() for patch in axes.patches if isinstance(patch, Rectangle)]
         assert [(box.x0, box.x1) for box in boxes] == [(-half, 2.0 - half), (half - 2.0, half)]

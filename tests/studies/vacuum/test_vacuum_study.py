@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
+from types import SimpleNamespace
 
+import pytest
 from mpi4py import MPI
 
 from studies.engine import run
+from studies.report.panels import Panel
 from studies.results.rows import read_rows
 from studies.scene.bellows import at_pressures
 from studies.scene.load import load_bellows
-from studies.vacuum.study import STUDY, cases
+from studies.vacuum import study
+from studies.vacuum.study import STUDY, cases, draw_contractions
 
 
 def test_vacuum_report_of_a_small_bellows(root: Path, tmp_path: Path) -> None:
@@ -30,3 +34,20 @@ def test_scenes_under_vacuum_are_sound() -> None:
     scenes = cases({})
     assert len(scenes) == 6
     assert all(scene.load.sense < 0.0 and scene.contact.model == "auto" for scene in scenes)
+
+
+def test_contractions_have_a_linear_panel_per_range_and_plain_names(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shown: list[Panel] = []
+    monkeypatch.setattr(study, "draw_panels", lambda path, rows, *rest: shown.extend(rows[0]))
+    path = (SimpleNamespace(pressure_kpa=-0.5, tip_mm=-3.0),)
+    runs = [SimpleNamespace(path=path)]
+    draw_contractions(tmp_path / "x.png", [(scene, runs) for scene in cases({})])  # type: ignore[misc]
+    assert [panel.title for panel in shown] == ["to 1 kPa", "to 2 kPa", "to 10 kPa"]
+    assert not any(panel.logarithmic for panel in shown)
+    assert [[series.label for series in panel.series] for panel in shown][1] == [
+        "t = 1, $R_i$ = 5 mm, n = 8",
+        "t = 1, $R_i$ = 7 mm, n = 8",
+    ]
+    assert list(shown[0].series[0].x) == [0.0, 0.5] and list(shown[0].series[0].y) == [0.0, 3.0]
