@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import click
 import numpy as np
@@ -115,7 +115,7 @@ def _set_at(name: str, kind: str, members: Members, point: FloatArray) -> tuple[
     member = members.take(np.array([int(point[0] * len(members))]))
     family = member.family(0)
     ranges = zip(CHOSEN.items(), point[1:], strict=True)
-    chosen = {key: round(low + float(share) * (high - low), 2) for (key, (low, high)), share in ranges}
+    chosen: dict[str, Any] = {key: round(low + float(share) * (high - low), 2) for (key, (low, high)), share in ranges}
     one = DimensionSet(
         name,
         kind,

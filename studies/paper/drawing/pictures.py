@@ -9,7 +9,7 @@ from typing import Final
 
 from meshes import bellows, fold, meridian, sweep
 from studies.paper.cases import HIGHEST_KPA, REFERENCE_SCENES
-from studies.paper.drawing import meshes, outline, panels, plots
+from studies.paper.drawing import meshes, outline, panels, plots, sets
 from studies.paper.results import CaseResult, PaperResults, is_known
 from studies.paper.setup.sizes import ZIGZAG, scene_file
 from studies.report import curves, style
@@ -30,6 +30,7 @@ STATES: Final = "states-"
 _PLOTS: Final[Mapping[str, Callable[[Path, PaperResults], str]]] = {
     "elongations": panels.draw_elongations,
     "dimensions": panels.draw_dimensions_matter,
+    "sets": sets.draw_sets,
     "beyond": plots.draw_beyond,
     "assumptions": plots.draw_assumptions,
     "blocked": panels.draw_blocked,
@@ -47,7 +48,7 @@ def draw_all(folder: Path, results: PaperResults) -> dict[str, str]:
         By name the address relative to the folder, or a sentence why there is no picture.
     """
     hashes = [run.content_hash for run in results.summaries if run.model == "axisymmetric"]
-    key = key_of(results.rows, hashes, code=[panels, plots, curves, style])
+    key = key_of(results.rows, hashes, code=[panels, plots, sets, curves, style])
     found = {}
 
     def add(name: str, draw: Callable[[Path], str]) -> None:
