@@ -14,6 +14,7 @@ from typing import Final, Literal
 from analytical.bellows.paper import PRINTED
 from studies.paper.cases import HIGHEST_KPA, PRESSURES_KPA, REFERENCE_SCENES, THICK, THIN
 from studies.paper.results import Four, PaperResults, is_known, last_kpa
+from studies.paper.setup.sizes import CALLED
 from studies.paper.statements import judges, mechanism
 from studies.paper.statements.judges import SLOTS, Judge, Judgement, nearest
 from studies.paper.statements.verdicts import FAILS, HOLDS, UNDECIDED, Verdict, all_of, over_sets, smaller
@@ -243,8 +244,8 @@ def iterations(run: Run) -> list[int]:
 
 def _beyond(results: PaperResults) -> str:
     cases = [case for case in results.of("beyond") if case.axisymmetric]
-    reached = (f"{case.case.base} to {min(map(last_kpa, case.axisymmetric)):.4g} kPa" for case in cases)
-    return ", ".join(reached) or "not run"
+    reached = (f"{CALLED[case.case.base]} to {min(map(last_kpa, case.axisymmetric)):.4g} kPa" for case in cases)
+    return "; ".join(reached) or "not run"
 
 
 def _gap(what: str, said_cm: float, gaps: Sequence[float]) -> str:

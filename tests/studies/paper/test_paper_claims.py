@@ -310,7 +310,7 @@ def test_longest_at_20_kpa() -> None:
 def test_statements_about_ansys_are_told_beside_what_happens_here() -> None:
     cost, further, simulation, model = about_their_program(make_results(*core(iterations=lambda p: int(p)), *beyond()))
     assert "axisymmetric 20, 40, 60, 80; full 3D not run" in cost
-    assert "heung-t1-ri5 to 30 kPa, heung-t1-ri7 to 30 kPa" in further
+    assert "t = 1 mm, R_i = 5 mm to 30 kPa; t = 1 mm, R_i = 7 mm to 30 kPa" in further
     assert simulation.endswith("as its columns say (−2.6, +0.2, −1.7, −2.5 cm).")
     assert model.endswith("as its columns say (−2.0, −1.0, +0.3, −1.0 cm).")
     assert "not run" in about_their_program(PaperResults(()))[1]
