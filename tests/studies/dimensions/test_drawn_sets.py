@@ -71,7 +71,7 @@ def test_what_is_refused_is_counted_and_drawn_again(monkeypatch: pytest.MonkeyPa
     drawn = draw_sets(members, members)
     assert [len(kind.sets) for kind in drawn] == [3, 2, 4]
     assert drawn == draw_sets(members, members)
-    # with seats of 4 mm and fillets of 1 mm alone, an R_p - R_i of 3.5 mm has no room for the arcs of a 2 mm wall
+    # R_p - R_i = 3.5 mm has room for the arcs of a 2 mm wall up to fillets of 0.75 mm
     monkeypatch.setattr(sets, "CHOSEN", {**CHOSEN, "fillet_mm": (0.1, 3.0)})
     assert all(kind.unbuildable > 0 for kind in draw_sets(members, members))
     heavy = replace(members, convolutions=3 * members.convolutions)

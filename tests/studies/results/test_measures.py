@@ -319,7 +319,7 @@ def test_a_small_run_is_consistent(scene: BellowsScene, tmp_path: Path) -> None:
     assert value["peak_stretch_away"] <= value["peak_stretch"]
     assert run.path[-1].bond_slip_rms_mm < value["peak_slip_mm"] < 0.1
     assert 1.0 < value["ring_hoop_stretch"] < value["wall_hoop_stretch_middle"] < value["root_stretch_outer"]
-    # the run's own volumes are of curved cells, these of lines straight between their nodes: measured 2e-4
+    # the run's own volumes are of curved cells, these of lines straight between their nodes: measured 5e-4
     low, high = (r.value for r in rows if r.quantity == "cavity_volume_ratio")
     assert high / low == pytest.approx(run.path[-1].volume_mm3 / run.requested[0].volume_mm3, rel=1e-3)
     assert 1.0 < low < high
