@@ -129,7 +129,7 @@ study-core: check ## the four actuators without the variants -> results/paper
 
 .PHONY: study-paper-audit
 study-paper-audit: check ## the same, and finer meshes that must lie within its uncertainties -> results/paper
-	$(LAUNCH) -m studies study paper --part core --part variants --part audit --out results/paper
+	$(LAUNCH) -m studies study paper --part core --part variants --part sets --part audit --out results/paper
 
 .PHONY: study-outline
 study-outline: check ## the gap between closed form and finite elements, split: outline and model apart -> results/outline

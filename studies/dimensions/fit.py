@@ -29,6 +29,7 @@ from analytical.bellows.fit.search import Grid, search
 from analytical.bellows.paper import FAMILIES, InferredFamily, PaperActuator, actuators
 from studies.dimensions.cases import Steps
 from studies.dimensions.scenes import FITTINGS, buildable, scene_of
+from studies.dimensions.sets import Drawn, draw_sets
 from studies.models.build import masses_g
 from studies.scene.meshes import scene_meridian
 
@@ -148,6 +149,8 @@ class Fit:
         What is picked from what; the three sets one by one.
     rules, chains
         The rule on the drawing's and finer grids; the fit with the corrected chain and with others.
+    drawn
+        Sets to compute with, by kind.
     """
 
     grid: Grid
@@ -159,6 +162,7 @@ class Fit:
     sets: tuple[PickedSet, ...]
     rules: tuple[RuleOnGrid, ...]
     chains: tuple[ChainFit, ...]
+    drawn: tuple[Drawn, ...]
 
     @property
     def members(self) -> Members:
@@ -184,7 +188,9 @@ def fit(steps: Steps) -> Fit:
     mould = Grid.regular(steps.mould_mm, crest_to_mm=picks.sets.crest_radius_mm[0], half_pitch_to_mm=10.0)
     on_grids = ((steps.drawing_mm, picks.drawn), (steps.search_mm, fitting), (steps.mould_mm, search(mould)))
     corrected = ChainFit(CORRECTED_CHAIN.label, fitting, first(refined), first(picks.sets))
-    others = (BALANCED_CHAIN, PRINTED_CHAIN, CORRECTED_CHAIN_BY_20)
+    balanced, *others = (
+        _chain_fit(chain, grid, steps.drawing_mm) for chain in (BALANCED_CHAIN, PRINTED_CHAIN, CORRECTED_CHAIN_BY_20)
+    )
     return Fit(
         grid=grid,
         fitting=fitting,
@@ -194,7 +200,8 @@ def fit(steps: Steps) -> Fit:
         picks=picks,
         sets=tuple(_picked_set(*of_set) for of_set in zip(SET_NAMES, each(picks.sets), picks.families, strict=True)),
         rules=tuple(rule for on_grid in on_grids for rule in _rules(*on_grid)),
-        chains=(corrected, *(_chain_fit(chain, grid, steps.drawing_mm) for chain in others)),
+        chains=(corrected, balanced, *others),
+        drawn=draw_sets(fitting, balanced.members),
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from analytical.bellows.fit.members import WITHIN
 from analytical.bellows.paper import PRINTED_MASS_G, PRINTED_PRESSURE_KPA
 from analytical.laws.silicones import SILICONE_DENSITY_G_CM3
-from studies.dimensions import plots, sentences, tables
+from studies.dimensions import plots, sentences, sets, tables
 from studies.dimensions.cases import Steps, cases
 from studies.dimensions.fit import Fit, Picks, fit
 from studies.dimensions.predictions import Prediction, predictions, unfolding_kpa
@@ -36,12 +36,17 @@ def page(solved: Sequence[Solved[Steps, Fit]], at: Setting) -> Page:
     predicted = predictions(found)
     write_text_atomically(at.out / "members.csv", members_csv(found))
     keep_scenes(found.picks, at)
+    sets.keep_sets(found.drawn, at.out, bool(at.options["write_scenes"]))
     pictures = at.out / "pictures"
     plots.draw_outlines(pictures / "outlines.png", found)
     plots.draw_members(pictures / "members.png", found)
     plots.draw_spread(pictures / "spread.png", found, predicted)
     plots.draw_paths(pictures / "paths.png", found)
-    return Page(fit_rows(found, predicted), content(steps, found, predicted), bars=[recorded(found.picks)])
+    return Page(
+        fit_rows(found, predicted),
+        content(steps, found, predicted),
+        bars=[recorded(found.picks), sets.sets_recorded(found.drawn)],
+    )
 
 
 def keep_scenes(picks: Picks, at: Setting) -> None:
@@ -87,6 +92,8 @@ def content(steps: Steps, found: Fit, predicted: Sequence[Prediction]) -> dict[s
         "spread": tables.spread(found, predicted),
         "chains": tables.chains(found),
         "masses": tables.masses(found),
+        "drawn": sets.drawn_table(found.drawn),
+        "chosen": sets.chosen_table(found.drawn),
         "scenes": [f"`{actuator.name}`" for of_set in found.sets for actuator in of_set.actuators],
     }
 
@@ -101,6 +108,10 @@ STUDY: Final = Study(
     page=page,
     share="first",
     options=(
-        click.Option(["--write-scenes"], is_flag=True, help="Also write the scenes of the three sets into scenes/."),
+        click.Option(
+            ["--write-scenes"],
+            is_flag=True,
+            help="Also write the three sets' scenes, and sets.csv, into scenes/.",
+        ),
     ),
 )

@@ -10,16 +10,29 @@ from typing import Any, Final, Literal
 from analytical.bellows.paper import FAMILIES, PRINTED_PRESSURE_KPA, PaperActuator, actuators
 from studies.planning.levels import MERIDIANS, BodyLevel
 from studies.results import provenance
+from studies.scene.dimension_sets import SETS_FILE, SLOTS, read_sets
 from studies.scene.text import changed_text
 
 Group = Literal[
-    "core", "zigzag", "tets", "alternates", "beyond", "convention", "silicone", "blocked", "rings", "bond", "audit"
+    "core",
+    "zigzag",
+    "tets",
+    "alternates",
+    "beyond",
+    "convention",
+    "silicone",
+    "blocked",
+    "rings",
+    "bond",
+    "sets",
+    "audit",
 ]
 
 # Parts that can be run alone.
 PARTS: Final[Mapping[str, tuple[Group, ...]]] = {
     "core": ("core", "zigzag"),
     "variants": ("tets", "alternates", "beyond", "convention", "silicone", "blocked", "rings", "bond"),
+    "sets": ("sets",),
     "audit": ("audit",),
 }
 
@@ -35,6 +48,10 @@ ALTERNATE_SCENES = tuple(a.name for label, of_set in SETS.items() if label != "r
 THIN, THICK = REFERENCE_SCENES[:2], REFERENCE_SCENES[2:]
 
 SCENES: Final = provenance.ROOT / "scenes"
+
+# Sets of dimensions drawn over all that is unknown, and the meshes they are solved on: many, and each of them unlikely.
+DRAWN: Final = read_sets(SCENES / SETS_FILE)
+DRAWN_LEVELS: Final = (1, 2)
 
 # Half of what full 3D may be uncertain by, so that the axisymmetric model is compared with something better than it.
 CORE_TOLERANCE_PERCENT = 0.5
@@ -133,7 +150,7 @@ AUDIT_BODY, AUDIT_BODY_LEVEL = REFERENCE_SCENES[0], BodyLevel(12, 3)
 def cases(*groups: Group) -> tuple[Case, ...]:
     """All cases, or those of some groups; those first that the report is about."""
     found = [*_actuators(), *(case for base in REFERENCE_SCENES for case in _loaded(base)), *_materials(), *_bonds()]
-    return tuple(case for case in (*found, *_audits()) if not groups or case.group in groups)
+    return tuple(case for case in (*found, *_drawn(), *_audits()) if not groups or case.group in groups)
 
 
 def _actuators() -> Iterator[Case]:
@@ -176,6 +193,14 @@ def _bonds() -> Iterator[Case]:
         more = MORE_BOND_VARIANTS if base == THIN[0] else ()
         for suffix, label, changes in (*BOND_VARIANTS, *more):
             yield _variant("bond", base, suffix, label, {"load.pressure_kpa": BOND_KPA, **changes})
+
+
+def _drawn() -> Iterator[Case]:
+    """The four actuators of every drawn set; the label is the set's name."""
+    for drawn in DRAWN:
+        for base, slot, actuator in zip(REFERENCE_SCENES, SLOTS, drawn.actuators, strict=True):
+            changes = {**drawn.changes(actuator), "ask.fields": False}
+            yield Case("sets", f"{drawn.name}-{slot}", base, drawn.name, changes, DRAWN_LEVELS)
 
 
 def _audits() -> Iterator[Case]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import inspect
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -16,7 +16,7 @@ from typing import Final
 from analytical.bellows import chains, loads
 from studies.models.modes import FoundCrossing, read_crossings
 from studies.models.session import SCENE_FILE, SceneResult, read_scene_folder
-from studies.paper.cases import HIGHEST_KPA, Case, Group, cases
+from studies.paper.cases import DRAWN, HIGHEST_KPA, REFERENCE_SCENES, Case, Group, cases
 from studies.report.labels import TIP
 from studies.report.numbers import MISSING
 from studies.results import measured_rows, measures, runs, uncertainty
@@ -25,10 +25,22 @@ from studies.results.rows import FOLDED_BACK, Row, row
 from studies.results.run_files import RunSummary
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene
+from studies.scene.dimension_sets import CHAIN_OF
 from studies.scene.load import load_bellows
 
 # Modules that decide what is measured in the states of a run, beside the code that the run is keyed by.
 _MEASURING: Final = (measures, measured_rows, chains, loads, runs, uncertainty)
+# What is kept of the many drawn sets: at every pressure, and at the highest alone.
+_AT_ALL: Final = (TIP, "root_bulge_mm")
+_AT_HIGHEST: Final = (
+    "tip_centre_mm",
+    "unstable_modes",
+    "root_stretch_outer",
+    "wall_stretch",
+    "unfolding_share",
+    "peak_stretch_away",
+    "cavity_volume_ratio",
+)
 _LIMIT: Final = re.compile(r"up to ([\d.]+) kPa")
 
 
@@ -95,6 +107,35 @@ class CaseResult:
 
 
 @dataclass(frozen=True)
+class Four:
+    """The four actuators of a set of dimensions, in the order of the paper's numbers.
+
+    Attributes
+    ----------
+    label
+        Name of the set.
+    kind
+        The fit it is a member of, a key of `CHAIN_OF`.
+    cases
+        What has been found of each.
+    """
+
+    label: str
+    kind: str
+    cases: tuple[CaseResult, ...]
+
+    @property
+    def chain(self) -> str:
+        """Model of the closed form that its dimensions were inferred with."""
+        return CHAIN_OF[self.kind]
+
+    @property
+    def was_run(self) -> bool:
+        """True if there are runs of all four."""
+        return all(case.axisymmetric for case in self.cases)
+
+
+@dataclass(frozen=True)
 class PaperResults:
     """All cases that have been run, in the order of `studies.paper.cases`."""
 
@@ -119,6 +160,23 @@ class PaperResults:
     def near_zigzag(self, name: str) -> CaseResult:
         """A reference actuator's case near the zigzag of the paper's figure 2."""
         return self.result_of(next(c for c in cases("zigzag") if c.base == f"zigzag/{name}"))
+
+    @property
+    def reference(self) -> Four:
+        """The reference set."""
+        return Four("reference", "corrected", tuple(map(self.named, REFERENCE_SCENES)))
+
+    def drawn(self, *kinds: str) -> tuple[Four, ...]:
+        """The drawn sets of some kinds of which all four actuators have been run."""
+        by_label: dict[str, list[CaseResult]] = {}
+        for case in self.of("sets"):
+            by_label.setdefault(case.case.label, []).append(case)
+        found = [
+            Four(one.name, one.kind, tuple(by_label[one.name]))
+            for one in DRAWN
+            if one.kind in kinds and len(by_label.get(one.name, ())) == len(REFERENCE_SCENES)
+        ]
+        return tuple(four for four in found if four.was_run)
 
     def unfolding(self, base: str, model: str) -> Row:
         """Pressure (kPa) at which roots are unfolded; from the run to 30 kPa if that to 20 kPa ends before."""
@@ -147,6 +205,8 @@ def read_results(folder: Path, chosen: Iterable[Case]) -> PaperResults:
             counted = [r.summary.level for r in of.axisymmetric if any(state.unstable_by_m for state in r.path)]
             crossings = read_crossings(place / f"axisymmetric-{counted[-1]}") if counted else []
             runs_ = (of.axisymmetric, of.sector, of.full3d)
+            if case.group == "sets":
+                rows = tuple(_of_drawn(case, rows))
             found.append(CaseResult(case, place, of.scene, *runs_, rows, bool(counted), tuple(crossings)))
     return PaperResults(tuple(found))
 
@@ -161,6 +221,17 @@ def _measured(place: Path, result: SceneResult[BellowsScene]) -> list[Row]:
         list[Row],
         lambda: measured_rows.measured_rows(result.scene, result.axisymmetric, place),
     )
+
+
+def _of_drawn(case: Case, rows: Sequence[Row]) -> Iterator[Row]:
+    """Of a drawn set's rows those that are shown: of the finest mesh, and of the chain that it was inferred with."""
+    finest = f"r{max(case.levels)}"
+    chain = CHAIN_OF[case.label.partition("-")[0]]
+    for entry in rows:
+        highest = entry.pressure_kpa == HIGHEST_KPA and entry.quantity in _AT_HIGHEST
+        if entry.quantity in _AT_ALL or highest or entry.quantity == "unfolding_kpa":
+            if (entry.model, entry.level) == ("axisymmetric", finest) or (entry.quantity, entry.model) == (TIP, chain):
+                yield entry
 
 
 # --- rows -----------------------------------------------------------------------------------

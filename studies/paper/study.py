@@ -20,23 +20,24 @@ from studies.engine import FAULTS, Page, Setting, Solved, Study, farm
 from studies.models.axisymmetric import run_axisymmetric
 from studies.models.full3d import run_full3d
 from studies.models.session import SCENE_FILE, run_plan
-from studies.paper import bonds, errors, times, variants
+from studies.paper import bonds, errors, sets, times, variants
 from studies.paper.acceptance import bars, misses
 from studies.paper.blocked import blocked_sentences
 from studies.paper.cases import AUDIT_BODY_LEVEL, HIGHEST_KPA, PARTS, Case, Group, case_text
 from studies.paper.cases import cases as all_cases
-from studies.paper.claims import claims
 from studies.paper.drawing.pictures import STATES, draw_all
 from studies.paper.imperfection import eccentric_core
 from studies.paper.results import CaseResult, PaperResults, read_results
 from studies.paper.setup import discretisation, silicones, sizes
+from studies.paper.statements import mechanism
+from studies.paper.statements.claims import CANNOT_TELL, JUDGED_IN, about_their_program, claims, claims_table, in_words
 from studies.paper.summary import in_short, notes, silicone_mass, stops
 from studies.planning.bellows import SECTOR_LEVELS, plan_bellows
 from studies.planning.levels import BODY_MERIDIANS
 from studies.report import scene_tables
 from studies.report.numbers import duration, number_text, rounded_up
 from studies.report.scene_report import SceneReport
-from studies.report.tables import Table, facts_table
+from studies.report.tables import facts_table
 from studies.results.run_files import SUMMARY_FILE
 from studies.results.runs import finished_run, run_hash
 from studies.scene.bellows import BellowsScene
@@ -70,7 +71,14 @@ def prepare(chosen: Sequence[Case], at: Setting) -> list[str]:
             content = run_hash(scene_of(at.out, case), "axisymmetric", f"r{level}")
             alike.setdefault(content, []).append((case, level))
     jobs = sorted(alike.values(), key=lambda same: -same[0][1])
-    return [fault for fault in farm(jobs, at.comm, lambda same: _run_alike(same, at)) if fault]
+    faults = farm(jobs, at.comm, lambda same: _run_alike(same, at))
+    farm([case for case in chosen if case.group == "sets"], at.comm, lambda case: _measure(case, at))
+    return [fault for fault in faults if fault]
+
+
+def _measure(case: Case, at: Setting) -> None:
+    """Measure the states of a case, which is kept: of some hundred cases it takes minutes, here on all ranks."""
+    read_results(at.out, (case,))
 
 
 def write_scenes(folder: Path, chosen: Sequence[Case]) -> None:
@@ -151,10 +159,10 @@ def left_out(folder: Path, results: PaperResults) -> list[str]:
 def content(results: PaperResults, pictures: Mapping[str, str]) -> dict[str, Any]:
     """What the template shows; pictures are addresses by name, or why there is none."""
     found = claims(results)
-    lines = tuple((f"{number}", claim.text, claim.finding, claim.verdict) for number, claim in enumerate(found, 1))
     return {
         "results": results,
         "errors": errors,
+        "sets": sets,
         "variants": variants,
         "bonds": bonds,
         "times": times,
@@ -166,7 +174,12 @@ def content(results: PaperResults, pictures: Mapping[str, str]) -> dict[str, Any
         "silicone_mass": silicone_mass(results),
         "highest": f"{HIGHEST_KPA:g}",
         "misses": misses(results),
-        "claims": Table(("", "the paper says", "the rows say", "verdict"), lines, left=(1, 2, 3)),
+        "claims": claims_table(found),
+        "claims_in_short": in_words(found),
+        "claim_details": {claim.name: claim.details for claim in found if claim.details},
+        "contradiction": mechanism.contradiction(results, results.drawn(*JUDGED_IN)),
+        "about_their_program": about_their_program(results),
+        "cannot_tell": CANNOT_TELL,
         "core_wall": duration(times.seconds(run.summary for case in results.of("core") for run in case.runs)),
         "total_wall": duration(times.seconds(results.summaries)),
         "levels": {case.case.scene: scene_tables.convergence(_report_of(case)) for case in results.of("core", "tets")},
@@ -220,9 +233,9 @@ STUDY: Final = Study(
             ["--part"],
             type=click.Choice(list(PARTS)),
             multiple=True,
-            default=("core", "variants"),
+            default=("core", "variants", "sets"),
             show_default=True,
-            help="Parts to run: the four actuators, variants of them, finer meshes to hold its uncertainties against.",
+            help="Parts to run: the four actuators, variants, sets of dimensions, finer meshes for its bands.",
         ),
     ),
     prepare=prepare,

@@ -7,10 +7,12 @@ from collections.abc import Iterable, Sequence
 
 from studies.paper.acceptance import bars
 from studies.paper.bonds import BONDED_PERCENT, verdicts
-from studies.paper.cases import HIGHEST_KPA, PRESSURES_KPA, REFERENCE, REFERENCE_SCENES, RING_VARIANTS, SETS, THICK
+from studies.paper.cases import HIGHEST_KPA, PRESSURES_KPA, REFERENCE_SCENES, RING_VARIANTS, THICK
 from studies.paper.errors import CHAINS, MOULDED, ZIGZAG, Outline, at_pressures
 from studies.paper.results import CaseResult, PaperResults, common_levels, is_known, last_kpa, means_something
+from studies.paper.sets import swing_percent
 from studies.paper.setup.sizes import CALLED
+from studies.paper.statements.claims import JUDGED_IN
 from studies.paper.variants import REFERENCE_RING, nearer, readings
 from studies.report.labels import model_label, run_label
 from studies.report.numbers import MISSING, signed
@@ -101,14 +103,11 @@ def _spread(pairs: Iterable[tuple[Row, Row]]) -> str:
 
 
 def _sets(results: PaperResults) -> str:
-    """How far the alternates' elongations at 20 kPa are from the reference's."""
-    pairs = [
-        (results.named(other.name).tip(), results.named(own.name).tip())
-        for of_set in SETS.values()
-        for own, other in zip(REFERENCE, of_set, strict=True)
-        if own != other
-    ]
-    return f"Other inferred dimensions move the elongation at {HIGHEST_KPA:g} kPa by {_spread(pairs)}."
+    """How far the drawn sets' elongations at 20 kPa are from the reference's."""
+    least, largest = swing_percent(results)
+    spread = f"{signed(least)} to {signed(largest)} % from the reference's" if math.isfinite(least) else "not run"
+    count = len(results.drawn(*JUDGED_IN))
+    return f"Elongation at {HIGHEST_KPA:g} kPa over {count} other sets of inferred and chosen dimensions: {spread}."
 
 
 def _convention(results: PaperResults) -> str:
@@ -164,7 +163,7 @@ def silicone_mass(results: PaperResults) -> str:
 def stops(results: PaperResults) -> tuple[str, ...]:
     """A sentence per way in which a case's runs ended early, and a line for each case that has no runs."""
     sentences = []
-    for case in results.cases:
+    for case in _one_by_one(results):
         found: dict[str, list[str]] = {}
         for run in case.runs:
             if run.summary.status != REACHED:
@@ -179,10 +178,15 @@ def stops(results: PaperResults) -> tuple[str, ...]:
 def notes(results: PaperResults) -> tuple[str, ...]:
     """What the runs' plans skipped and what the scenes' numbers need to be read, each sentence once with its cases."""
     cases: dict[str, dict[str, None]] = {}
-    for case in results.cases:
+    for case in _one_by_one(results):
         for sentence in (*validity_notes(case.scene), *(note for run in case.runs for note in run.summary.plan)):
             cases.setdefault(sentence, {})[case.case.scene] = None
     return tuple(f"{sentence} ({_named(list(names))})" for sentence, names in cases.items())
+
+
+def _one_by_one(results: PaperResults) -> list[CaseResult]:
+    """All cases but those of the drawn sets, which are counted, not told one by one."""
+    return [case for case in results.cases if case.case.group != "sets"]
 
 
 def _named(names: Sequence[str]) -> str:

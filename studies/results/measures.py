@@ -7,10 +7,12 @@ What a state is measured for, and what the closed form (`analytical.chains`, cor
 ``root_stretch_inner``        1     the same on the cavity side
 ``root_bulge_mm``             mm    outward displacement of the roots' outside at their throat
 ``wall_stretch``              1     deformed over undeformed length of the side wall; the model's lambda_a, see `Places`
+``unfolding_share``           1     share of the elongation that the side walls would give if they kept their length
 ``wall_hoop_stretch_middle``  1     hoop stretch half-way along the side wall; the model's pure shear says 1
 ``ring_hoop_stretch``         1     hoop stretch of the wall under the rings; the model says 1
 ``peak_stretch``              1     largest principal stretch of the silicone; the model's is that of root or side wall
 ``peak_stretch_away``         1     the same without what is near the edges of the seats, where corners may be singular
+``cavity_volume_ratio``       1     volume of the cavity over that at rest
 ``peak_slip_mm``              mm    largest slip of the bond between wall and rigid rings; the model has none
 ``unfolding_kpa``             kPa   pressure at which the roots' outside is as far out as the crests'
 ============================  ====  ===================================================================================
@@ -20,6 +22,7 @@ Stretches of the wall are those of its mid-surface. All but the peaks are means 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -39,10 +42,12 @@ UNITS = {
     "root_stretch_inner": "1",
     "root_bulge_mm": "mm",
     "wall_stretch": "1",
+    "unfolding_share": "1",
     "wall_hoop_stretch_middle": "1",
     "ring_hoop_stretch": "1",
     "peak_stretch": "1",
     "peak_stretch_away": "1",
+    "cavity_volume_ratio": "1",
     "peak_slip_mm": "mm",
 }
 # Nearer to a seat's edge, on the outside, a peak may be that of a singular corner.
@@ -67,6 +72,8 @@ class Places:
         throat, or back. The model's side runs straight from crest to root and has no arcs.
     seats_middle, seats_outside
         Nodes of the mid-surface and of the outside under each ring in order, shape (n + 1, s); s = 0 without rings.
+    cavity
+        Nodes of the cavity's surface from the inlet to the axis of the cap or to the open end, shape (c,).
     near_edge
         True within ``NEAR_EDGE_MM`` of an outer edge of a seat, shape (nodes,).
     band
@@ -81,6 +88,7 @@ class Places:
     sides: IntArray
     seats_middle: IntArray
     seats_outside: IntArray
+    cavity: IntArray
     near_edge: NDArray[np.bool_]
     band: Band
 
@@ -125,6 +133,7 @@ def find_places(scene: BellowsScene, refinement: int) -> Places:
         sides=middle[sides],
         seats_middle=middle[seats],
         seats_outside=outside[seats],
+        cavity=inside,
         near_edge=(away < NEAR_EDGE_MM).any(axis=0),
         band=band,
     )
@@ -160,7 +169,11 @@ def measure(scene: BellowsScene, places: Places, state: State) -> Measured:
         "root_bulge_mm": u[places.throats_outside, 0].mean(),
         "wall_stretch": (lengths[0] / lengths[1]).mean(),
         "wall_hoop_stretch_middle": hoop[middle].mean(),
+        "cavity_volume_ratio": cavity_volume(places.points[places.cavity] + u[places.cavity])
+        / cavity_volume(places.points[places.cavity]),
     }
+    if not scene.blocked:
+        values["unfolding_share"] = unfolding_share(places.points[places.sides], (places.points + u)[places.sides])
     stretch = largest_stretches(places, u)
     peaks = {"peak_stretch": int(np.argmax(stretch))}
     if places.seats_middle.size:
@@ -176,6 +189,29 @@ def measure(scene: BellowsScene, places: Places, state: State) -> Measured:
         {name: float(value) for name, value in values.items()},
         {name: places.part(node) for name, node in peaks.items()},
     )
+
+
+def unfolding_share(before: FloatArray, after: FloatArray) -> float:
+    """Share of side walls' elongation that is left if they have the shape that they have, in the length of rest.
+
+    Each wall is shrunk as a whole, by its mean stretch. Above 1 where the walls have become shorter, NaN without
+    elongation.
+
+    Parameters
+    ----------
+    before, after
+        Mid-surfaces at rest and deformed as for `curve_length`, columns r and z, shape (walls, s, 2), mm.
+    """
+    stretch = curve_length(after) / curve_length(before)
+    rest, now = (walls[:, -1, 1] - walls[:, 0, 1] for walls in (before, after))
+    gain = float((now - rest).sum())
+    return float((now / stretch - rest).sum()) / gain if gain else math.nan
+
+
+def cavity_volume(points: FloatArray) -> float:
+    """Volume inside a line (r, z) that is turned about the axis, straight between its points, mm3."""
+    r, z = points.T
+    return float(math.pi / 3.0 * ((r[:-1] ** 2 + r[:-1] * r[1:] + r[1:] ** 2) * np.diff(z)).sum())
 
 
 def hoop_stretches(points: FloatArray, displacement_mm: FloatArray) -> FloatArray:

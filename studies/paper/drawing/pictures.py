@@ -11,7 +11,7 @@ from typing import Final
 
 from meshes import bellows, fold, meridian, sweep
 from studies.paper.cases import HIGHEST_KPA, REFERENCE_SCENES
-from studies.paper.drawing import blocked, lines, meshes, outline, panels, plots
+from studies.paper.drawing import blocked, lines, meshes, outline, panels, plots, sets
 from studies.paper.results import CaseResult, PaperResults, is_known
 from studies.paper.setup.sizes import ZIGZAG, scene_file
 from studies.report import curves, style
@@ -33,6 +33,7 @@ STATES: Final = "states-"
 _PLOTS: Final[Mapping[str, Callable[[Path, PaperResults], str]]] = {
     "elongations": panels.draw_elongations,
     "dimensions": panels.draw_dimensions_matter,
+    "sets": sets.draw_sets,
     "beyond": plots.draw_beyond,
     "assumptions": plots.draw_assumptions,
     "blocked": blocked.draw_blocked,
@@ -50,7 +51,7 @@ def draw_all(folder: Path, results: PaperResults) -> dict[str, str]:
     """
     hashes = [run.content_hash for run in results.summaries if run.model == "axisymmetric"]
     crossings = [case.crossings for case in results.cases]
-    code = [blocked, lines, panels, plots, curves, style, closed_form_rows]
+    code = [blocked, lines, panels, plots, sets, curves, style, closed_form_rows]
     key = key_of(results.rows, hashes, crossings, code=code)
     found = {}
 

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from studies.engine import REACHED, Bar, render
-from studies.paper import acceptance, bonds, errors, study, summary, times, variants
+from studies.paper import acceptance, bonds, errors, sets, study, summary, times, variants
 from studies.paper.cases import REFERENCE_SCENES
-from studies.paper.claims import claims
 from studies.paper.results import CaseResult, PaperResults, no_row
+from studies.paper.statements.claims import claims
 from studies.report.numbers import MISSING, measured_text
 from studies.report.tables import Table
 from studies.results.rows import read_rows, row
@@ -30,6 +30,8 @@ TABLES: tuple[Callable[[PaperResults], Table], ...] = (
     errors.unfoldings,
     acceptance.misses,
     variants.dimension_swing,
+    sets.spread,
+    sets.chosen_alone,
     variants.conventions,
     variants.silicones,
     variants.silicone_effects,

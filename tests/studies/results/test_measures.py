@@ -22,11 +22,13 @@ from studies.results.measured_rows import measured_rows, model_values, unfolding
 from studies.results.measures import (
     NEAR_EDGE_MM,
     Places,
+    cavity_volume,
     curve_length,
     find_places,
     largest_stretches,
     mean_along,
     measure,
+    unfolding_share,
 )
 from studies.results.rows import Row
 from studies.results.run_files import PathRow, save_state
@@ -94,10 +96,17 @@ def test_an_affine_state_is_measured_exactly(scene: BellowsScene, rings: str) ->
     if rings == "rigid":
         edge = 0.5 * (B - 1.0) * shape.seat_mm + slip
         expected["peak_slip_mm"] = math.hypot((A - 1.0) * shape.seat_radius_mm, edge)
-    wall = found.pop("wall_stretch")
+    wall, share, grown = (found.pop(key) for key in ("wall_stretch", "unfolding_share", "cavity_volume_ratio"))
     assert found == pytest.approx(expected, rel=1e-12)  # quadratic elements hold an affine state: round-off
     # parabolas through arcs of up to 45 degrees: measured 1e-5
     assert wall == pytest.approx(np.mean(side_stretches(shape)), rel=1e-4)
+    long, deep = 5.0 - 0.5 * shape.seat_mm, 5.5
+    ends = np.array([B * long + G * deep, B * long - G * deep])  # from a throat out to a crest, and back
+    exact = (ends / side_stretches(shape) - long).sum() / (ends - long).sum()
+    assert share == pytest.approx(exact, rel=1e-3)  # as above, and a difference of lengths ten times as large
+    # a tilted inlet plane is a cone, which is not of the cavity
+    rest = cavity_volume(places.points[places.cavity])
+    assert grown == pytest.approx(A**2 * (B - G * math.pi * 10.5**3 / (3.0 * rest)), rel=1e-12)
     # also on the axis, and nowhere by way of cells of meshed rings
     stretch = largest_stretches(places, affine(places.points))
     assert stretch[np.unique(places.cells)] == pytest.approx(largest, rel=1e-12)
@@ -182,6 +191,26 @@ def test_lengths_and_means_of_parabolas() -> None:
     exact = 0.5 * math.sqrt(5.0) + 0.25 * math.asinh(2.0)
     # Gauss of eight orders over two pieces: measured 1e-7
     assert curve_length(np.stack([straight, parabola])) == pytest.approx([5.0, exact], rel=1e-6)
+
+
+def test_share_of_walls_that_keep_their_length() -> None:
+    s = np.linspace(0.0, 1.0, 5)
+
+    def wall(long: float, deep: float) -> np.ndarray:
+        return np.stack(
+            [np.column_stack([9.0 - deep * s, long * s]), np.column_stack([9.0 - deep * (1 - s), long * s])]
+        )
+
+    # 3, 4, 5: a wall of 5 mm turned without stretch; one along the axis stretched alone; turned and stretched by 1.2
+    assert unfolding_share(wall(3.0, 4.0), wall(4.0, 3.0)) == pytest.approx(1.0, rel=1e-12)
+    assert unfolding_share(wall(3.0, 0.0), wall(3.6, 0.0)) == pytest.approx(0.0, abs=1e-12)
+    assert unfolding_share(wall(3.0, 4.0), wall(4.8, 3.6)) == pytest.approx(1.0 / 1.8, rel=1e-12)
+    assert math.isnan(unfolding_share(wall(3.0, 4.0), wall(3.0, 4.0)))
+
+
+def test_volume_of_a_frustum() -> None:
+    line = np.array([[2.0, 0.0], [1.0, 3.0], [0.0, 3.0]])
+    assert cavity_volume(line) == pytest.approx(math.pi * 7.0, rel=1e-14)  # pi h (R^2 + R r + r^2) / 3
 
 
 def test_unfolding_is_interpolated_between_states() -> None:
@@ -279,7 +308,7 @@ def test_states_of_other_content_are_not_measured(scene: BellowsScene, tmp_path:
 
 
 def test_a_small_run_is_consistent(scene: BellowsScene, tmp_path: Path) -> None:
-    asked = scene.model_copy(update={"load": Load(pressure_kpa=[5.0])})
+    asked = scene.model_copy(update={"load": Load(pressure_kpa=[2.5, 5.0])})
     run = run_axisymmetric(asked, 1, tmp_path / "axisymmetric-r1", MPI.COMM_SELF, Progress(MPI.COMM_SELF))
     rows = measured_rows(asked, [run], tmp_path)
     value = {r.quantity: r.value for r in rows if r.model == "axisymmetric"}
@@ -290,4 +319,10 @@ def test_a_small_run_is_consistent(scene: BellowsScene, tmp_path: Path) -> None:
     assert value["peak_stretch_away"] <= value["peak_stretch"]
     assert run.path[-1].bond_slip_rms_mm < value["peak_slip_mm"] < 0.1
     assert 1.0 < value["ring_hoop_stretch"] < value["wall_hoop_stretch_middle"] < value["root_stretch_outer"]
+    # the run's own volumes are of curved cells, these of lines straight between their nodes: measured 5e-4
+    low, high = (r.value for r in rows if r.quantity == "cavity_volume_ratio")
+    assert high / low == pytest.approx(run.path[-1].volume_mm3 / run.requested[0].volume_mm3, rel=1e-3)
+    assert 1.0 < low < high
+    # 2 mm walls hardly stretch
+    assert 0.8 < value["unfolding_share"] < 1.2
     assert all(math.isnan(r.uncertainty) for r in rows)  # one mesh says nothing of its error
