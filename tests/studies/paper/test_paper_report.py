@@ -64,8 +64,8 @@ def test_answers_are_finite_elements_beside_the_closed_form(results: PaperResult
     first = lines(errors.answers(results))[0]
     assert first["actuator"] == "t = 1 mm, R_i = 5 mm"
     # n8 is made from r1: 150 (1 + 0.004); the closed form's 116.63 has no uncertainty
-    assert first["finite elements, mm"] == "150.60 ± 0.75"
-    assert first["closed form less finite elements, mm (%)"].startswith("−33.97 ± 0.75 (−22.6 %)")
+    assert first["finite elements, mm"] == "150.60 ± 0.73"
+    assert first["closed form less finite elements, mm (%)"].startswith("−33.97 ± 0.73 (−22.6 %)")
     assert len(first) == 4
     empty = lines(errors.answers(PaperResults(())))[0]
     assert empty["finite elements, mm"] == MISSING
@@ -73,8 +73,8 @@ def test_answers_are_finite_elements_beside_the_closed_form(results: PaperResult
 
 def test_the_middle_stands_beside_the_rim(results: PaperResults) -> None:
     (first, *_) = lines(errors.centres(results))
-    # the middle is 2 mm ahead at 20 kPa in these made-up runs; over 0.75 mm of uncertainty
-    assert (first["rim, mm"], first["middle, mm"]) == ("150.60 ± 0.75", "152.60")
+    # the middle is 2 mm ahead at 20 kPa in these made-up runs; over 0.73 mm of uncertainty
+    assert (first["rim, mm"], first["middle, mm"]) == ("150.60 ± 0.73", "152.60")
     assert first["middle less rim, mm (%)"] == "+2.00 (+1.3 %)"
     assert first["over the uncertainty"] == "3"
     sentence = summary.in_short(results)["middle"]
@@ -87,10 +87,10 @@ def test_errors_have_sign_uncertainty_and_percent(results: PaperResults) -> None
     def gaps(model: str) -> list[str]:
         return [found[model][f"less {of}, mm (%)"] for of in ("ANSYS", "test")]
 
-    # 150 (1 + 0.00025); 1.25 times the distance to 150
-    assert found["axisymmetric"]["elongation, mm"] == "150.04 ± 0.05"
-    # 0.5 mm of the print and 0.05 mm of the meshes, rounded up
-    assert gaps("axisymmetric") == ["+35.0 ± 0.6 (+30.5 %)", "+9.0 ± 0.6 (+6.4 %)"]
+    # 150 (1 + 0.00025); twice the distance to the limit by orders 1 and 3: (9 (0.15 - 0.0375) - (0.6 - 0.15)) / 7
+    assert found["axisymmetric"]["elongation, mm"] == "150.04 ± 0.17"
+    # 0.5 mm of the print and 0.17 mm of the meshes, rounded up
+    assert gaps("axisymmetric") == ["+35.0 ± 0.7 (+30.5 %)", "+9.0 ± 0.7 (+6.4 %)"]
     assert gaps("paper: ANSYS") == [MISSING, "−26.0 ± 1.0 (−18.4 %)"]
     assert "folded back" in found["closed form as printed"]["elongation, mm"]
     assert gaps("closed form as printed") == [MISSING, MISSING]
@@ -100,7 +100,7 @@ def test_errors_have_sign_uncertainty_and_percent(results: PaperResults) -> None
     assert counts == ["0", "0", MISSING]
     at_20 = lines(errors.closed_form_errors(results))[3]
     assert (at_20["pressure, kPa"], at_20["finite elements"]) == ("20", "full 3D")
-    assert at_20["closed form, mm (%)"].startswith("−33.97 ± 0.75 (−22.6 %)")  # 116.63 less 150.60
+    assert at_20["closed form, mm (%)"].startswith("−33.97 ± 0.73 (−22.6 %)")  # 116.63 less 150.60
     assert at_20["closed form as printed, mm (%)"] == "folded back"
 
 
