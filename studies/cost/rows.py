@@ -12,7 +12,7 @@ from studies.cost.measure import Measurement
 from studies.planning.levels import fineness
 from studies.results.exact_answers import exact_bore_mm
 from studies.results.rows import Row, row
-from studies.results.runs import MERIDIAN_ORDER
+from studies.results.runs import MERIDIAN_ORDERS
 from studies.results.uncertainty import convergence
 from studies.scene.bodies import BodyScene
 
@@ -52,7 +52,7 @@ def reference_of(body: str, measured: Mapping[Cell, Measurement]) -> Reference:
     if len(levels) < 3:
         return Reference()
     values = [alike[level] for level in levels]
-    found = convergence([1.0 / level for level in levels], values, MERIDIAN_ORDER)
+    found = convergence([1.0 / level for level in levels], values, MERIDIAN_ORDERS)
     uncertainty = 100.0 * found.uncertainty(values[-1]) / abs(found.limit)
     names = ", ".join(f"r{level}" for level in levels)
     return Reference(found.limit, uncertainty, f"axisymmetric {element} {names}, extrapolated")

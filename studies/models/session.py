@@ -27,7 +27,7 @@ from studies.results.bellows_rows import bellows_rows
 from studies.results.expectations import expectation_rows, sentence
 from studies.results.rows import Row, write_rows
 from studies.results.run_files import PATH_FILE, SUMMARY_FILE
-from studies.results.runs import MERIDIAN_ORDER, Run, of_model, read_run, run_hash, tip_at, tip_convergence
+from studies.results.runs import MERIDIAN_ORDERS, Run, of_model, read_run, run_hash, tip_at, tip_convergence
 from studies.scene.bellows import BellowsScene
 from studies.scene.bodies import BodyScene
 from studies.scene.load import Scene
@@ -296,7 +296,7 @@ def good_meridian(scene: BellowsScene, axisymmetric: Sequence[Run], levels: Sequ
         errors = []
         for pressure in scene.load.pressure_kpa:
             value = tip_at(run, pressure, quantity)
-            limit = tip_convergence(axisymmetric, pressure, MERIDIAN_ORDER, quantity).limit
+            limit = tip_convergence(axisymmetric, pressure, MERIDIAN_ORDERS, quantity).limit
             errors.append(abs(value - limit) / abs(limit))
         if all(error <= allowed for error in errors if not math.isnan(error)):
             return fineness(run.summary.level)

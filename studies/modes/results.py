@@ -11,10 +11,10 @@ from typing import Final
 from solvers.stability.modes import WAVES
 from studies.models.modes import COUNTED_LEVELS, FoundCrossing, counts_of
 from studies.models.modes_model import ModesModel
-from studies.results.body_rows import CORNER_ORDER
+from studies.results.body_rows import WITH_CORNERS
 from studies.results.rows import REACHED, Row, row
-from studies.results.runs import MERIDIAN_ORDER, Run, value_status
-from studies.results.uncertainty import UNKNOWN, Convergence, from_two
+from studies.results.runs import MERIDIAN_ORDERS, Run, value_status
+from studies.results.uncertainty import UNKNOWN, Convergence, Orders, convergence
 from studies.scene.bodies import BodyScene
 
 # What rows have of a crossing: their name's end, which of its numbers, and the unit.
@@ -93,13 +93,13 @@ def crossing_rows(model: ModesModel, runs: Sequence[Run], crossings: Sequence[Se
     if not waves:
         return [_row(model, run, "crossing_kpa", "kPa", math.nan, status=_none_up_to(run)) for run in runs]
     rows = []
-    order = CORNER_ORDER if isinstance(model.scene, BodyScene) else MERIDIAN_ORDER
+    orders = WITH_CORNERS if isinstance(model.scene, BodyScene) else MERIDIAN_ORDERS
     for m, (name, number, unit) in product(waves, CROSSING):
         of_m = [next((c for c in found if c.waves == m), None) for found in crossings]
         values = [float(getattr(c, number)) if c else math.nan for c in of_m]
         if all(math.isnan(v) for v in values):
             continue
-        spread = _spread(values, order)
+        spread = _spread(values, orders)
         for run, crossing, value in zip(runs, of_m, values, strict=True):
             within = crossing.within_kpa if crossing and name == "kpa" else 0.0
             status = REACHED if crossing else _none_up_to(run)
@@ -116,11 +116,11 @@ def _row(
     return row(model.scene.name, quantity, unit, math.nan, "axisymmetric", value, level, uncertainty, status=status)
 
 
-def _spread(values: Sequence[float], order: float) -> Convergence:
+def _spread(values: Sequence[float], orders: Orders) -> Convergence:
     """What the counted meridians say of the discretisation's error."""
     if any(math.isnan(v) for v in values):
         return UNKNOWN
-    return from_two([1.0 / level for level in COUNTED_LEVELS], values, order)
+    return convergence([1.0 / level for level in COUNTED_LEVELS], values, orders)
 
 
 def _none_up_to(run: Run) -> str:

@@ -19,7 +19,7 @@ from studies.planning.levels import fineness
 from studies.results.measures import Places, curve_length, find_places
 from studies.results.rows import Row, row
 from studies.results.run_files import load_state
-from studies.results.runs import MERIDIAN_ORDER, Run, run_convergence
+from studies.results.runs import MERIDIAN_ORDERS, Run, run_convergence
 from studies.scene.bellows import BellowsScene
 
 
@@ -88,7 +88,7 @@ def fold_rows(scene: BellowsScene, runs: Sequence[Run], folder: Path) -> list[Ro
     for pressure in scene.load.pressure_kpa:
         found = [(run, asdict(at[pressure])) for run, at in zip(runs, states, strict=True) if pressure in at]
         for name in FOLDS if found else ():
-            bound = run_convergence([run for run, _ in found], [values[name] for _, values in found], MERIDIAN_ORDER)
+            bound = run_convergence([run for run, _ in found], [values[name] for _, values in found], MERIDIAN_ORDERS)
             for run, values in found:
                 at = (scene.name, name, "mm", pressure, "axisymmetric", values[name], run.summary.level)
                 rows.append(row(*at, bound.uncertainty(values[name])))

@@ -24,8 +24,8 @@ from analytical.bellows.paper import PaperActuator
 from studies.outline.cases import FILLETS, MOULDED, RIGID_TIP, SAME_WALL, ZIGZAG, Outline
 from studies.outline.kinematics import Fold, Steps, each_alone, kinematics_mm, stretch_beside_hoop
 from studies.results.rows import Row
-from studies.results.runs import MERIDIAN_ORDER
-from studies.results.uncertainty import from_two
+from studies.results.runs import MERIDIAN_ORDERS
+from studies.results.uncertainty import convergence
 
 CAUSES: Final[Mapping[str, str]] = {
     "root": "the root opens further than the plane-strain tube, or than where it is held",
@@ -165,7 +165,7 @@ def _with_bands(by_pressure: Sequence[Sequence[float]]) -> list[Cause]:
     than at a lower pressure.
     """
     sizes = [1.0 / n for n in LEVELS]
-    bands = [from_two(sizes, values, MERIDIAN_ORDER).uncertainty(values[-1]) for values in by_pressure]
+    bands = [convergence(sizes, values, MERIDIAN_ORDERS).uncertainty(values[-1]) for values in by_pressure]
     at_least = np.fmax.accumulate(bands)
     return [Cause(values[-1], float(band)) for values, band in zip(by_pressure, at_least, strict=True)]
 

@@ -1,100 +1,25 @@
-"""What the study must show: its uncertainties small, its models in agreement, its bands true.
+"""What the study must show: its uncertainties small and true (`studies.paper.audit`), its models in agreement.
 
-A band is audited by the next finer mesh: made from the coarser meshes alone, it has to hold the finer one's value.
 Only that the four actuators reach their pressures decides the exit code.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Final
 
 from studies.engine import Bar
+from studies.paper.audit import Check, checks
 from studies.paper.cases import HIGHEST_KPA, PRESSURES_KPA, REFERENCE_SCENES
-from studies.paper.results import CaseResult, PaperResults, find, is_known
-from studies.planning.levels import fineness, ranking
-from studies.report.labels import level_label, run_label
-from studies.report.numbers import MISSING, rounded_up, up
-from studies.report.tables import Table, table_of
-from studies.results.bellows_rows import bellows_rows
-from studies.results.rows import REACHED, Row, difference_percent
-from studies.results.runs import Run, tip_at
+from studies.paper.results import CaseResult, PaperResults, is_known
+from studies.report.labels import run_label
+from studies.report.numbers import MISSING, rounded_up
+from studies.results.rows import REACHED, difference_percent
 
 UNCERTAINTY_PERCENT: Final = 1.0
 GAP_PERCENT: Final = 0.5
 INSIDE_PERCENT: Final = 95.0
-
-
-@dataclass(frozen=True)
-class Check:
-    """A band, which is a row of a case, and the value of a finer mesh that has to be in it (mm, or N)."""
-
-    case: str
-    row: Row
-    finer: str
-    finer_value: float
-
-    @property
-    def inside(self) -> bool:
-        """True if the band holds the finer value."""
-        return self.distance <= self.row.uncertainty
-
-    @property
-    def distance(self) -> float:
-        """From the band's middle to the finer value."""
-        return abs(self.finer_value - self.row.value)
-
-    @property
-    def meshes(self) -> str:
-        """What is tested by what."""
-        return f"{level_label(self.row.level)} by {level_label(self.finer)}"
-
-
-def checks(results: PaperResults) -> dict[str, list[Check]]:
-    """All bands by what they have to hold."""
-    pairs = []
-    for case in results.cases:
-        if case.case.group in ("core", "alternates"):
-            pairs.append((case, results.variant(case.case.base, "audit")))
-        elif case.case.group != "audit":
-            pairs.append((case, CaseResult(case.case)))
-    return {
-        "axisymmetric bands that hold the next finer mesh": [c for pair in pairs for c in _meridian_checks(*pair)],
-        "full 3D bands that hold the finest mesh": [c for pair in pairs for c in _body_checks(*pair)],
-    }
-
-
-def _meridian_checks(case: CaseResult, audit: CaseResult) -> Iterator[Check]:
-    """Band of every axisymmetric mesh, from it and the coarser ones, by the next finer mesh; it takes two."""
-    runs = case.axisymmetric
-    own = max((fineness(run.summary.level) for run in runs), default=0)
-    more = [run for run in audit.axisymmetric if fineness(run.summary.level) > own]
-    for count, finer in enumerate([*runs, *more][2 : len(runs) + 1], start=2):
-        yield from _against(case, bellows_rows(case.scene, runs[:count]), runs[count - 1], finer)
-
-
-def _body_checks(case: CaseResult, audit: CaseResult) -> Iterator[Check]:
-    """Band of every full 3D mesh, from it, the coarser ones and all meridians and sectors, by the finest mesh."""
-    runs = sorted([*case.full3d, *audit.full3d], key=lambda run: ranking(run.summary.level))
-    for count, run in enumerate(case.full3d, start=1):
-        if run is not runs[-1]:
-            rows = bellows_rows(case.scene, [*case.axisymmetric, *case.sector, *case.full3d[:count]])
-            yield from _against(case, rows, run, runs[-1])
-
-
-def _against(case: CaseResult, rows: Sequence[Row], run: Run, finer: Run) -> Iterator[Check]:
-    """Bands in rows of one run against another run at every requested pressure that both reached."""
-    quantity = case.scene.main_quantity
-    for pressure in case.pressures_kpa:
-        row = find(rows, quantity, run.summary.model, pressure, run.summary.level)
-        value = tip_at(finer, pressure, quantity)
-        if math.isfinite(row.value + row.uncertainty + value):
-            yield Check(case.case.scene, row, finer.summary.level, value)
-
-
-# --- bars -----------------------------------------------------------------------------------
 
 
 def bars(results: PaperResults) -> list[Bar]:
@@ -103,7 +28,7 @@ def bars(results: PaperResults) -> list[Bar]:
 
 
 def main_bars(results: PaperResults) -> list[Bar]:
-    """What the study must show in short: uncertainties and gaps at 20 kPa, and how many bands are true."""
+    """What the study must show in short: uncertainties and gaps at 20 kPa, and how many uncertainties hold."""
     found = []
     for name in REFERENCE_SCENES:
         solid = results.named(name).tip("full3d")
@@ -168,20 +93,3 @@ def _share(what: str, of: Sequence[Check]) -> Bar:
     inside = sum(check.inside for check in of)
     share = 100.0 * inside / len(of)
     return Bar(wanted, f"{share:.1f} % ({inside} of {len(of)})", share >= INSIDE_PERCENT, decides=False)
-
-
-def misses(results: PaperResults) -> Table:
-    """Every band that does not hold the finer mesh's value (mm, or N of a blocked tip)."""
-    columns: dict[str, Callable[[Check], str]] = {
-        "case": lambda check: check.case,
-        "pressure, kPa": lambda check: f"{check.row.pressure_kpa:g}",
-        "mesh of the band": lambda check: run_label(check.row.model, check.row.level),
-        "value and band": lambda check: f"{check.row.value:.4f} ± {up(check.row.uncertainty, 4)}",
-        "finer mesh": lambda check: f"{level_label(check.finer)}: {check.finer_value:.4f}",
-        "distance over band": lambda check: _ratio(check.distance, check.row.uncertainty),
-    }
-    return table_of((c for of in checks(results).values() for c in of if not c.inside), columns, left=(0, 2))
-
-
-def _ratio(distance: float, band: float) -> str:
-    return f"{distance / band:.2g}" if band else MISSING

@@ -21,7 +21,8 @@ from studies.models.axisymmetric import run_axisymmetric
 from studies.models.full3d import run_full3d
 from studies.models.session import SCENE_FILE, run_plan
 from studies.paper import bonds, errors, sets, times, variants
-from studies.paper.acceptance import bars, misses
+from studies.paper.acceptance import bars
+from studies.paper.audit import coverage, misses
 from studies.paper.blocked import blocked_sentences
 from studies.paper.cases import AUDIT_BODY_LEVEL, HIGHEST_KPA, PARTS, Case, Group, case_text
 from studies.paper.cases import cases as all_cases
@@ -173,6 +174,7 @@ def content(results: PaperResults, pictures: Mapping[str, str]) -> dict[str, Any
         "printed_mass": f"{PRINTED_MASS_G:g}",
         "silicone_mass": silicone_mass(results),
         "highest": f"{HIGHEST_KPA:g}",
+        "coverage": coverage(results),
         "misses": misses(results),
         "claims": claims_table(found),
         "claims_in_short": in_words(found),

@@ -11,8 +11,8 @@ from studies.planning.levels import body_level
 from studies.results.closed_form_rows import closed_form_values, printed_elongation, thrust_rows
 from studies.results.rows import REACHED, Row, row
 from studies.results.runs import (
-    AROUND_ORDER,
-    MERIDIAN_ORDER,
+    AROUND_ORDERS,
+    MERIDIAN_ORDERS,
     Run,
     of_model,
     state_rows,
@@ -68,7 +68,7 @@ def _rows_at(scene: BellowsScene, quantity: TipQuantity, pressure: float, runs: 
     rows: list[Row] = []
     axisymmetric, full3d = of_model(runs, "axisymmetric"), of_model(runs, "full3d")
     bodies = [*of_model(runs, "sector"), *full3d]
-    meridian = tip_convergence(axisymmetric, pressure, MERIDIAN_ORDER, quantity)
+    meridian = tip_convergence(axisymmetric, pressure, MERIDIAN_ORDERS, quantity)
     finest_axi, finest_3d = (tip_at(of[-1], pressure, quantity) if of else math.nan for of in (axisymmetric, full3d))
     reference, source = math.nan, ""
     if not math.isnan(finest_3d):
@@ -117,9 +117,9 @@ def _error_around(
     """What the cells round the circumference leave of error in a body's tip.
 
     From three numbers of cells round on one meridian, of which one is the body's own; it hardly depends on the
-    meridian, and a sector's tip is that of the whole with as many. Else three times the difference to the axisymmetric
-    tip on the body's meridian, to which more cells round would lead; with a core off the axis they would not, and it is
-    three times what the error model expects of as many cells.
+    meridian, and a sector's tip is that of the whole with as many. Else twice the difference to the axisymmetric tip on
+    the body's meridian, to which more cells round would lead; with a core off the axis they would not, and it is three
+    times what the error model expects of as many cells, a factor that it is held to.
     """
     level = body_level(run.summary.level)
     for meridian in dict.fromkeys([level.meridian, *(body_level(r.summary.level).meridian for r in bodies)]):
@@ -132,9 +132,9 @@ def _error_around(
             if at.meridian == meridian:
                 alike[at.around] = body
         if len(alike) >= 3 and level.around in alike:
-            found = tip_convergence(list(alike.values()), pressure, AROUND_ORDER, quantity)
+            found = tip_convergence(list(alike.values()), pressure, AROUND_ORDERS, quantity)
             return found.uncertainty(tip_at(alike[level.around], pressure, quantity))
     tip = tip_at(run, pressure, quantity)
     if scene.geometry.eccentricity:
         return SAFETY_IN_DOUBT * 0.01 * AROUND[cells_of(scene)].at(level.around) * abs(tip)
-    return SAFETY_IN_DOUBT * abs(tip - base)
+    return 2.0 * abs(tip - base)

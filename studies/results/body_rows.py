@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from studies.results.exact_answers import exact_crossing_kpa, known_value
 from studies.results.rows import REACHED, Row, row
 from studies.results.runs import Run, run_convergence, state_rows, value_status
-from studies.results.uncertainty import Convergence
+from studies.results.uncertainty import EDGE_ORDER, Convergence, Orders
 from studies.scene.bodies import LIMIT_VOLUME, BodyScene
 from studies.scene.body_geometry import TubeGeometry
 
-# Order to expect: quadratic displacements have an error of the third; where an end is held the wall has corners, and
+# Orders to expect: quadratic displacements have an error of the third; where an end is held the wall has corners, and
 # three levels of a bonded tube show an order of 1.3.
-ORDER, CORNER_ORDER = 3.0, 1.0
+SMOOTH, WITH_CORNERS = Orders(3.0), Orders(3.0, EDGE_ORDER)
 UNITS = {"volume_mm3": "mm3", "torque_nmm": "N mm", "axial_force_n": "N"}
 CHECKS = {"unstable_modes": "1", "min_det_f": "1"}
 # What is read off whole paths, not at single loads; all in kPa.
@@ -80,4 +80,4 @@ def _convergence(scene: BodyScene, runs: Sequence[Run], values: Sequence[float])
     """Convergence over the finest levels that have a value."""
     g = scene.geometry
     corners = g.kind in ("cook", "ventricle") or (isinstance(g, TubeGeometry) and g.ends == "bonded")
-    return run_convergence(runs, values, CORNER_ORDER if corners else ORDER)
+    return run_convergence(runs, values, WITH_CORNERS if corners else SMOOTH)

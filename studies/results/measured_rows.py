@@ -16,7 +16,7 @@ from studies.planning.levels import fineness
 from studies.results.measures import UNITS, Measured, find_places, measure
 from studies.results.rows import Row, row
 from studies.results.run_files import load_state
-from studies.results.runs import MERIDIAN_ORDER, Run, run_convergence
+from studies.results.runs import MERIDIAN_ORDERS, Run, run_convergence
 from studies.scene.bellows import BellowsScene, dimensions_of
 from studies.scene.materials import law_of
 
@@ -128,7 +128,7 @@ def _compared(
     reached = [entry for entry in found if not math.isnan(entry.value)]
     finest = reached[-1] if reached else None
     compared = (finest.value, f"axisymmetric {finest.run.summary.level}") if finest else (math.nan, "")
-    bound = run_convergence([e.run for e in found], [e.value for e in found], MERIDIAN_ORDER)
+    bound = run_convergence([e.run for e in found], [e.value for e in found], MERIDIAN_ORDERS)
     rows = []
     if found and model is not None:
         reference, source = compared

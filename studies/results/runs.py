@@ -13,16 +13,16 @@ from studies.planning.levels import fineness
 from studies.results import provenance
 from studies.results.rows import REACHED, Row, row
 from studies.results.run_files import PathRow, RunSummary, read_path, read_summary, write_text_atomically
-from studies.results.uncertainty import UNKNOWN, Convergence, convergence, from_two
+from studies.results.uncertainty import EDGE_ORDER, Convergence, Orders, convergence
 from studies.scene.bellows import TipQuantity, without_eccentricity
 from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import MeshGeometry
 from studies.scene.load import Scene
 
 MEASURED_FILE = "measured.json"
-# Order to expect of the tip displacement. In the meridian, quadratic elements would give more than 2 for a smooth
-# solution, but the clamped edge and the ends of the bond are corners. Round the circumference all is smooth.
-MERIDIAN_ORDER, AROUND_ORDER = 2.0, 4.0
+# Orders to expect of what is read off a bellows. In the meridian quadratic elements give 3 for the smooth part; the
+# edges of the seats and the clamped end are singular. Round the circumference all is smooth.
+MERIDIAN_ORDERS, AROUND_ORDERS = Orders(3.0, EDGE_ORDER), Orders(4.0)
 
 
 @dataclass(frozen=True)
@@ -139,25 +139,22 @@ def tip_at(run: Run | None, pressure_kpa: float, quantity: TipQuantity = "tip_mm
     return entry.tip_mm if quantity == "tip_mm" else entry.tip_force_n
 
 
-def run_convergence(runs: Sequence[Run], values: Sequence[float], nominal_order: float) -> Convergence:
+def run_convergence(runs: Sequence[Run], values: Sequence[float], orders: Orders) -> Convergence:
     """Convergence of a quantity, one value per run, over the finest levels (three, or two) where it is not NaN."""
     found = [(1.0 / fineness(run.summary.level), value) for run, value in zip(runs, values, strict=True)]
     found = sorted((f for f in found if not math.isnan(f[1])), reverse=True)[-3:]
-    sizes, values = [h for h, _ in found], [v for _, v in found]
-    if len(found) == 3:
-        return convergence(sizes, values, nominal_order)
-    return from_two(sizes, values, nominal_order) if len(found) == 2 else UNKNOWN
+    return convergence([h for h, _ in found], [v for _, v in found], orders)
 
 
 def tip_convergence(
-    runs: Sequence[Run], pressure_kpa: float, nominal_order: float, quantity: TipQuantity = "tip_mm"
+    runs: Sequence[Run], pressure_kpa: float, orders: Orders, quantity: TipQuantity = "tip_mm"
 ) -> Convergence:
     """Convergence of the tip over the finest levels (three, or two) that reached a pressure.
 
     Two meshes may agree by accident where their tips cross on the way: of two, the uncertainty at a pressure is at
     least their largest relative difference over all pressures that both reached.
     """
-    found = run_convergence(runs, [tip_at(run, pressure_kpa, quantity) for run in runs], nominal_order)
+    found = run_convergence(runs, [tip_at(run, pressure_kpa, quantity) for run in runs], orders)
     reached = [run for run in runs if not math.isnan(tip_at(run, pressure_kpa, quantity))]
     if len(reached) != 2:
         return found

@@ -1,10 +1,26 @@
-"""Discretisation uncertainty from three meshes (grid convergence index).
+"""Discretisation uncertainty from two or three meshes.
 
-The error of a quantity is taken as ``C h^q``. Three meshes give q and the limit; the uncertainty is 1.25 times
-the distance to the limit, or 3 times it with the nominal order where the three values are not monotone or their
+Two cases, told apart by the `Orders` to expect.
+
+*Smooth*: the error of a quantity is taken as ``C h^q``. Three meshes give q and the limit; the uncertainty is 1.25
+times the distance to the limit, or 3 times it with the expected order where the three values are not monotone or their
 order is off by half (Roache, J. Fluids Eng. 1994, doi 10.1115/1.2910291). Values that are not monotone may be near each
-other by accident, so then it is their range at least (after Eça and Hoekstra, J. Comput. Phys. 2014, doi
-10.1016/j.jcp.2014.01.006, who take three times it).
+other by accident, so then it is their range at least (after Eça and Hoekstra, J. Comput. Phys. 2014,
+doi 10.1016/j.jcp.2014.01.006, who take three times it).
+
+*With a singular edge*: the error is taken as ``a h^p + b h^q``, p of the edge and q of the smooth rest, both known (Eça
+and Hoekstra, too, take two powers where one fits badly). One observed order would tell neither: the parts have either
+sign, and where they cancel the observed order is anything. The uncertainty is the distance to the limit and, as the
+limit's own doubt, once more that of the finest mesh. Of two meshes the limit is midway between those by either order,
+and the doubt the whole error by the lower one. How often that holds is audited: docs/decisions.md, "Uncertainty of two
+and of three meshes".
+
+The order of an edge. Where a rigid part is bonded to an incompressible solid and its bond ends at a free surface,
+stress goes as ``r^(lambda - 1)`` with ``cos(lambda angle) = lambda sin(angle)`` (Williams, J. Appl. Mech. 1952,
+doi 10.1115/1.4010553, clamped and free face, nu = 1/2): lambda = 1/2 where the free surface goes on from the bond
+without a corner, as beside a seat, and 0.595 where it meets it at a right angle, as at a clamped end. An energy, and by
+duality any smooth functional such as a tip's displacement, converges with ``2 lambda``: orders 1 and 1.19, of which the
+lower one is taken. Without singularities quadratic elements give 3 or more.
 """
 
 from __future__ import annotations
@@ -13,38 +29,53 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 SAFETY, SAFETY_IN_DOUBT = 1.25, 3.0
+# Twice 1/2: see above.
+EDGE_ORDER = 1.0
+
+
+@dataclass(frozen=True)
+class Orders:
+    """Orders of convergence to expect: of the smooth part of the error, and of a singular edge if there is one."""
+
+    smooth: float
+    edge: float | None = None
 
 
 @dataclass(frozen=True)
 class Convergence:
-    """Three values on three meshes and what they say.
+    """What several meshes say of a quantity.
 
     Attributes
     ----------
     limit
         Extrapolated value.
-    order
-        Order used: the observed one, or the nominal one in doubt.
     safety
-        1.25, or 3 in doubt.
+        By how much the distance to the limit is multiplied.
+    doubt
+        What is added to that for the limit itself, in the unit of the values.
     least
         The uncertainty is not less than this, in the unit of the values.
     """
 
     limit: float
-    order: float
-    safety: float
+    safety: float = 1.0
+    doubt: float = 0.0
     least: float = 0.0
 
     def uncertainty(self, value: float) -> float:
         """Uncertainty of a value on one of the meshes, in its unit."""
-        found = self.safety * abs(value - self.limit)
+        found = self.safety * abs(value - self.limit) + self.doubt
         return self.least if found < self.least else found
 
 
-def convergence(sizes: Sequence[float], values: Sequence[float], nominal_order: float) -> Convergence:
-    """Convergence of a quantity on three meshes.
+UNKNOWN = Convergence(math.nan)
+
+
+def convergence(sizes: Sequence[float], values: Sequence[float], orders: Orders) -> Convergence:
+    """Convergence of a quantity on two or three meshes; on one it is unknown.
 
     Parameters
     ----------
@@ -52,39 +83,66 @@ def convergence(sizes: Sequence[float], values: Sequence[float], nominal_order: 
         Cell sizes in any unit, coarsest first, strictly descending.
     values
         The quantity on each.
-    nominal_order
-        Order to expect.
+    orders
+        Orders to expect.
 
     Returns
     -------
     Convergence
     """
+    if len(values) < 2:
+        return UNKNOWN
+    if orders.edge is None:
+        return (_smooth_of_three if len(values) == 3 else _smooth_of_two)(sizes, values, orders.smooth)
+    return (_edge_of_three if len(values) == 3 else _edge_of_two)(sizes, values, orders.edge, orders.smooth)
+
+
+def observed_order(sizes: Sequence[float], values: Sequence[float]) -> float | None:
+    """Order q of ``C h^q`` through three values, between 0.01 and 20; None if they are not monotone."""
     (h1, h2, h3), (f1, f2, f3) = sizes, values
+    if f2 == f3 or (f1 - f2) / (f2 - f3) <= 0.0:
+        return None
+    wanted = (f1 - f2) / (f2 - f3)
+    low, high = 0.01, 20.0
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        found = (h1**middle - h2**middle) / (h2**middle - h3**middle)
+        low, high = (middle, high) if found < wanted else (low, middle)
+    return low
 
-    def ratio(q: float) -> float:
-        return (h1**q - h2**q) / (h2**q - h3**q)
 
-    def limit(q: float) -> float:
-        return f3 - (f2 - f3) * h3**q / (h2**q - h3**q)
+def extrapolated(sizes: Sequence[float], values: Sequence[float], order: float) -> float:
+    """Limit by the last two values and an order."""
+    return values[-1] + (values[-1] - values[-2]) * _share(sizes, order)
 
-    if f2 != f3 and (f1 - f2) / (f2 - f3) > 0.0:
-        wanted = (f1 - f2) / (f2 - f3)
-        low, high = 0.5 * nominal_order, 1.5 * nominal_order
-        if ratio(low) <= wanted <= ratio(high):
-            for _ in range(100):
-                middle = 0.5 * (low + high)
-                low, high = (middle, high) if ratio(middle) < wanted else (low, middle)
-            return Convergence(limit(low), low, SAFETY)
-    monotone = min(f1, f3) <= f2 <= max(f1, f3)
+
+def _share(sizes: Sequence[float], order: float) -> float:
+    """Error of the finest mesh over the difference of the last two."""
+    return float(sizes[-1] ** order / (sizes[-2] ** order - sizes[-1] ** order))
+
+
+def _smooth_of_three(sizes: Sequence[float], values: Sequence[float], nominal: float) -> Convergence:
+    order = observed_order(sizes, values)
+    if order is not None and 0.5 * nominal <= order <= 1.5 * nominal:
+        return Convergence(extrapolated(sizes, values, order), SAFETY)
+    monotone = min(values[0], values[2]) <= values[1] <= max(values[0], values[2])
     least = 0.0 if monotone else max(values) - min(values)
-    return Convergence(limit(nominal_order), nominal_order, SAFETY_IN_DOUBT, least)
+    return Convergence(extrapolated(sizes, values, nominal), SAFETY_IN_DOUBT, least=least)
 
 
-def from_two(sizes: Sequence[float], values: Sequence[float], nominal_order: float) -> Convergence:
-    """As `convergence`, from two meshes with the nominal order and the larger safety factor."""
-    (h1, h2), (f1, f2) = sizes, values
-    share = h2**nominal_order / (h1**nominal_order - h2**nominal_order)
-    return Convergence(f2 - (f1 - f2) * share, nominal_order, SAFETY_IN_DOUBT)
+def _smooth_of_two(sizes: Sequence[float], values: Sequence[float], nominal: float) -> Convergence:
+    return Convergence(extrapolated(sizes, values, nominal), SAFETY_IN_DOUBT)
 
 
-UNKNOWN = Convergence(math.nan, math.nan, math.nan)
+def _edge_of_three(sizes: Sequence[float], values: Sequence[float], edge: float, smooth: float) -> Convergence:
+    """Two powers through three values; the doubt is what the smooth part alone would leave at least."""
+    powers = np.array([[1.0, h**edge, h**smooth] for h in sizes])
+    limit = float(np.linalg.solve(powers, np.asarray(values))[0])
+    least = abs(values[2] - values[1]) * _share(sizes, smooth)
+    return Convergence(limit, doubt=max(abs(values[2] - limit), least))
+
+
+def _edge_of_two(sizes: Sequence[float], values: Sequence[float], edge: float, smooth: float) -> Convergence:
+    """Midway between the limits by either order; the doubt is the whole error by the lower one."""
+    limit = 0.5 * (extrapolated(sizes, values, edge) + extrapolated(sizes, values, smooth))
+    return Convergence(limit, doubt=abs(values[1] - values[0]) * _share(sizes, edge))

@@ -10,8 +10,8 @@ from mpi4py import MPI
 from analytical.laws.errors import MaterialError
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
-from studies.results.runs import MERIDIAN_ORDER
-from studies.results.uncertainty import convergence, from_two
+from studies.results.runs import MERIDIAN_ORDERS
+from studies.results.uncertainty import convergence
 from studies.scene.sections import SceneError
 from studies.stability.bodies import pose_bellows
 from studies.stability.cells import Bellows, Cell
@@ -87,5 +87,4 @@ def solve_reference(series: Series) -> Reference:
 def _uncertainty_mm(found: dict[int, float]) -> float:
     """Of the finest of two or three levels."""
     sizes, values = [1.0 / level for level in found], list(found.values())
-    fit = convergence if len(found) == 3 else from_two
-    return fit(sizes, values, MERIDIAN_ORDER).uncertainty(values[-1])
+    return convergence(sizes, values, MERIDIAN_ORDERS).uncertainty(values[-1])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from studies.results.bellows_rows import bellows_rows
-from studies.results.runs import MERIDIAN_ORDER, tip_convergence
+from studies.results.runs import MERIDIAN_ORDERS, tip_convergence
 from tests.studies.paper.paper_demo import make_run, scene_of
 
 FIRST = "heung-t1-ri5"
@@ -19,10 +19,11 @@ def test_two_meshes_whose_tips_cross_keep_the_largest_difference_of_the_way() ->
         make_run(scene, "axisymmetric", level, lambda level, p: 5.0 * p * (1.0 + (off[p] if level == "r1" else 0.0)))
         for level in ("r1", "r2", "r4")
     ]
-    assert tip_convergence(runs[:2], 10.0, MERIDIAN_ORDER).uncertainty(50.0) == pytest.approx(0.004 * 50.0)
-    # nominal order 2, ratio 2: a third of the difference, three times
-    assert tip_convergence(runs[:2], 20.0, MERIDIAN_ORDER).uncertainty(100.0) == pytest.approx(0.004 * 100.0)
-    assert tip_convergence(runs, 10.0, MERIDIAN_ORDER).uncertainty(50.0) == 0.0  # three meshes speak for themselves
+    assert tip_convergence(runs[:2], 10.0, MERIDIAN_ORDERS).uncertainty(50.0) == pytest.approx(0.004 * 50.0)
+    # there by its own difference: midway between orders 1 and 3 (once and a seventh), and once in doubt
+    own = (0.5 * (1.0 + 1.0 / 7.0) + 1.0) * 0.004
+    assert tip_convergence(runs[:2], 20.0, MERIDIAN_ORDERS).uncertainty(100.0) == pytest.approx(own * 100.0)
+    assert tip_convergence(runs, 10.0, MERIDIAN_ORDERS).uncertainty(50.0) == 0.0  # three meshes speak for themselves
 
 
 def test_the_bend_of_an_eccentric_body_is_not_taken_for_an_error() -> None:
@@ -34,5 +35,5 @@ def test_the_bend_of_an_eccentric_body_is_not_taken_for_an_error() -> None:
         case: next(r for r in bellows_rows(of, [*meridians, body]) if (r.model, r.pressure_kpa) == ("full3d", 20.0))
         for case, of in (("bent", scene), ("straight", centred))
     }
-    assert at_20["straight"].uncertainty == pytest.approx(3.0 * 0.05 * 100.0)
+    assert at_20["straight"].uncertainty == pytest.approx(2.0 * 0.05 * 100.0)
     assert at_20["bent"].uncertainty < 0.01 * at_20["bent"].value
