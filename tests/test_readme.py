@@ -1,0 +1,109 @@
+"""Numbers of the README are those of the rows of the kept reports."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+README = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+NAMES = {
+    "t = 1 mm, R_i = 5 mm, Dragon Skin 10": "heung-t1-ri5",
+    "t = 1 mm, R_i = 7 mm, Dragon Skin 10": "heung-t1-ri7",
+    "t = 2 mm, R_i = 5 mm, Dragon Skin 30": "heung-t2-ri5",
+    "t = 2 mm, R_i = 7 mm, Dragon Skin 30": "heung-t2-ri7",
+}
+PRESSURES = ("5", "10", "15", "20")
+
+
+@cache
+def rows(study: str) -> tuple[dict[str, str], ...]:
+    with (ROOT / "docs" / study / "rows.csv").open(encoding="utf-8", newline="") as file:
+        return tuple(csv.DictReader(file))
+
+
+def found(study: str, scene: str, quantity: str, model: str, pressure: str = "20") -> dict[str, str]:
+    """The last row, which is that of the finest mesh."""
+    alike = [
+        row
+        for row in rows(study)
+        if (row["scene"], row["quantity"], row["model"], row["pressure_kpa"]) == (scene, quantity, model, pressure)
+    ]
+    assert alike, (study, scene, quantity, model, pressure)
+    return alike[-1]
+
+
+def tip(scene: str, model: str, pressure: str = "20") -> float:
+    return float(found("paper", scene, "tip_mm", model, pressure)["value"])
+
+
+def text(scene: str, model: str) -> str:
+    """As the table has it: uncertainties rounded up."""
+    row = found("paper", scene, "tip_mm", model)
+    doubt = f" ± {math.ceil(100.0 * float(row['uncertainty']) - 1e-9) / 100.0:.2f}" if row["uncertainty"] else ""
+    return f"{float(row['value']):.2f}{doubt}"
+
+
+def percent(scene: str, pressure: str, outline: str = "") -> float:
+    """Closed form less full 3D, of the latter."""
+    elements = tip(scene + outline, "full3d", pressure)
+    return 100.0 * (tip(scene, "closed_form", pressure) / elements - 1.0)
+
+
+@pytest.mark.parametrize("called", NAMES)
+def test_main_table(called: str) -> None:
+    name = NAMES[called]
+    cells = [text(name, "closed_form"), text(f"{name}-zigzag", "full3d"), text(name, "full3d")]
+    cells += [f"{tip(name, f'paper_{what}'):g}" for what in ("closed_form", "ansys", "experiment")]
+    assert f"| {called} | {' | '.join(cells)} |" in README
+
+
+def test_outline_or_model() -> None:
+    thin, thick = list(NAMES.values())[:2], list(NAMES.values())[2:]
+    low = [-percent(name, "5", "-zigzag") for name in thick]
+    assert f"{max(low):.0f} and {min(low):.0f} % low at 5 kPa" in README
+    later = max(abs(percent(name, p, "-zigzag")) for name in thick for p in PRESSURES[1:])
+    assert f"within {math.ceil(10.0 * later) / 10.0:g} % from 10 kPa on" in README
+    early = max(abs(percent(name, p, "-zigzag")) for name in thin for p in PRESSURES[:2])
+    assert f"within {math.ceil(10.0 * early) / 10.0:g} % to 10 kPa" in README
+    moulded = [-percent(name, p) for name in NAMES.values() for p in PRESSURES]
+    assert f"falls {min(moulded):.0f} to {max(moulded):.0f} % short" in README
+    beyond = [-percent(name, p, "-zigzag") for name in thin for p in PRESSURES[2:]]
+    assert f"beyond 10 kPa ({min(beyond):.0f} to {max(beyond):.0f} % low)" in README
+
+
+def test_models_agree() -> None:
+    scenes = [f"{name}{outline}" for name in NAMES.values() for outline in ("", "-zigzag")]
+    gaps = [abs(tip(s, "axisymmetric", p) / tip(s, "full3d", p) - 1.0) for s in scenes for p in PRESSURES]
+    assert f"agree within {math.ceil(1000.0 * max(gaps)) / 10.0:g} %" in README
+    counts = {
+        found("paper", s, "unstable_modes", m, p)["value"]
+        for s in scenes
+        for m in ("axisymmetric", "full3d")
+        for p in PRESSURES
+    }
+    assert {float(count) for count in counts} == {0.0}
+
+
+def test_convention_and_core() -> None:
+    thick = list(NAMES.values())[2:]
+    other = [tip(f"{name}-mu-alpha", "axisymmetric") for name in thick]
+    own = [tip(name, "axisymmetric") for name in thick]
+    assert f"{other[0]:.2f} and {other[1]:.2f} mm" in README
+    assert f"{own[0]:.2f} and {own[1]:.2f}" in README
+    bend = float(found("imperfection", "heung-t2-ri5-e10", "tip_bend_deg", "full3d", "5")["value"])
+    short = [
+        float(found("imperfection", f"heung-t2-ri5-{core}", "tip_mm", "full3d", "5")["value"])
+        for core in ("e10", "e00")
+    ]
+    assert f"by {bend:.1f} degrees and costs {100.0 * (1.0 - short[0] / short[1]):.1f} % of its elongation" in README
+
+
+def test_links_lead_somewhere() -> None:
+    links = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", README)
+    assert [link for link in links if not (ROOT / link).exists()] == []
