@@ -104,6 +104,26 @@ def test_convention_and_core() -> None:
     assert f"by {bend:.1f} degrees and costs {100.0 * (1.0 - short[0] / short[1]):.1f} % of its elongation" in README
 
 
+def test_cost() -> None:
+    def seconds(model: str, level: str) -> float:
+        (row,) = (
+            row
+            for row in rows("cost")
+            if (row["scene"], row["quantity"], row["model"], row["level"]) == ("peer-bellows", "wall_s", model, level)
+        )
+        return float(row["value"])
+
+    def ratio(quantity: str) -> float:
+        return float(
+            found("cost", "peer-bellows", f"time_ratio_full3d_at_equal_error{quantity}", "full3d", "10")["value"]
+        )
+
+    warm, cold = (min(seconds("full3d", f"hex n8 {way} {on}") for on in ("1x2", "2x1")) for way in ("warm", "cold"))
+    assert f"takes {warm:.1f} s to an answer" in README and f"and {cold:.1f} s if it starts from zero" in README
+    assert f"takes {seconds('peer_dolfinx_tutorial', 'hex27-n8r1 steps=5'):.1f} s." in README
+    assert f"takes {ratio(''):.2f} of" in README and f"and {ratio('_by_lasting_error'):.2f} if" in README
+
+
 def test_links_lead_somewhere() -> None:
     links = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", README)
     assert [link for link in links if not (ROOT / link).exists()] == []
