@@ -104,6 +104,17 @@ def test_convention_and_core() -> None:
     assert f"by {bend:.1f} degrees and costs {100.0 * (1.0 - short[0] / short[1]):.1f} % of its elongation" in README
 
 
+def test_uncertainties_and_sets() -> None:
+    report = (ROOT / "docs" / "paper" / "report.md").read_text(encoding="utf-8")
+    (held,) = re.findall(r"\d+ of \d+(?= axisymmetric uncertainties)", README)
+    assert re.search(rf"axisymmetric uncertainties that hold the limit: all meshes.*\({held}\)", report)
+    (solid,) = re.findall(r"all (\d+) in full 3D", README)
+    whole = "full 3D uncertainties that hold the limit: all meshes, all cases: at least 95 %"
+    assert f"{whole} | 100.0 % ({solid} of {solid})" in report
+    (spread,) = re.findall(r"at 20 kPa is (\S+ to \S+ %) from", README)
+    assert f"chosen dimensions: {spread} from the reference's" in report
+
+
 def test_cost() -> None:
     def seconds(model: str, level: str) -> float:
         (row,) = (

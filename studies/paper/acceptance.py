@@ -48,13 +48,9 @@ def _more(results: PaperResults) -> list[Bar]:
         )
         for name in REFERENCE_SCENES
     ]
-    actuators = {case.case.scene for case in results.of("core", "alternates")}
     for label, of_model in checks(results).items():
         for meshes in dict.fromkeys(check.meshes for check in of_model):
-            of_meshes = [check for check in of_model if check.meshes == meshes]
-            plain = [check for check in of_meshes if check.case in actuators]
-            found.append(_share(f"{label}: {meshes}, reference and alternates", plain))
-            found.append(_share(f"{label}: {meshes}, all cases", of_meshes))
+            found.append(_share(f"{label}: {meshes}", [check for check in of_model if check.meshes == meshes]))
     return found
 
 

@@ -24,6 +24,7 @@ SHOWN_KPA: Final = (20.0, 5.0)
 QUANTILES: Final = (0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0)
 CHOSEN: Final = ("fillet_mm", "seat_mm", "collar_mm", "cap_mm")
 CHOSEN_ALONE: Final = "reference"
+FEW_CONVOLUTIONS: Final = 5
 
 Measure = Callable[[Four, int, float], float]
 
@@ -117,7 +118,22 @@ def sentences(results: PaperResults) -> tuple[str, ...]:
     drawn = results.drawn(*JUDGED_IN)
     if not drawn:
         return ()
-    return (_from_test(results, drawn), _nearest(results, drawn), _ends([*drawn, *results.drawn(CHOSEN_ALONE)]))
+    return (
+        _from_test(results, drawn),
+        _nearest(results, drawn),
+        _convolutions(drawn),
+        _ends([*drawn, *results.drawn(CHOSEN_ALONE)]),
+    )
+
+
+def _convolutions(drawn: Sequence[Four]) -> str:
+    """How many folds the sets have, for few and long ones look unlike the reference."""
+    counts = [four.cases[0].scene.geometry.convolutions for four in drawn]
+    few = sum(count < FEW_CONVOLUTIONS for count in counts)
+    return (
+        f"They have {min(counts)} to {max(counts)} convolutions, {few} of {len(counts)} fewer than {FEW_CONVOLUTIONS}: "
+        "nothing printed excludes those."
+    )
 
 
 def from_test(results: PaperResults, four: Four) -> list[float]:

@@ -115,7 +115,8 @@ def test_sentences_count_sets_from_the_test() -> None:
     assert "over 3 sets: t = 1 mm, R_i = 5 mm: −57.4 to −29.1 %" in told[0]
     # 60 mm is 57 % below 141 mm; 100 mm is 108 % above 48 mm
     assert "corrected-02, which is within 57 % of each" in told[1]
-    assert "Of 12 actuators 4 stopped before 20 kPa" in told[2] and "balanced-02-t2-ri5" in told[2]
+    assert "2 to 5 convolutions, 2 of 3 fewer than 5" in told[2]
+    assert "Of 12 actuators 4 stopped before 20 kPa" in told[3] and "balanced-02-t2-ri5" in told[3]
     assert sets.sentences(make_results(*core())) == ()
     assert sets.swing_percent(results) == pytest.approx((-40.0, 0.0))
     assert math.isnan(sets.swing_percent(PaperResults(()))[0])
@@ -126,7 +127,7 @@ def test_axisymmetrically_unstable_sets_are_counted() -> None:
     rows = [r for r in cases_[0].rows if r.quantity != "unstable_modes"]
     one = row("x", "unstable_modes", "1", 20.0, "axisymmetric", 1.0, "r2")
     results = make_results(*core(), dataclasses.replace(cases_[0], rows=(*rows, one)), *cases_[1:])
-    assert "; 1 are axisymmetrically unstable there" in sets.sentences(results)[2]
+    assert "; 1 are axisymmetrically unstable there" in sets.sentences(results)[3]
 
 
 def test_picture(tmp_path: Path) -> None:

@@ -150,11 +150,11 @@ def test_bars_count_uncertainties_that_hold(results: PaperResults) -> None:
     assert full == Bar(full.wanted, "0.49 %", True, decides=False)
     assert found[f"{FIRST}: axisymmetric from full 3D at 20 kPa: at most 0.5 %"].met
     # Four reference actuators and eight alternates have r8, at four pressures each.
-    meridians = f"{audit.MERIDIANS}: level 4 by level 2, level 4, level 8, all cases: at least 95 %"
+    meridians = f"{audit.MERIDIANS}: level 4 by level 2, level 4, level 8: at least 95 %"
     assert found[meridians].found == "100.0 % (48 of 48)"
-    solid = f"{audit.BODIES}: 8 cells round by level 2, level 4, level 8, all cases: at least 95 %"
+    solid = f"{audit.BODIES}: 8 cells round by level 2, level 4, level 8: at least 95 %"
     assert found[solid].found == "100.0 % (16 of 16)"
-    finer = f"{audit.FINER_BODIES}: 8 cells round by 12 cells round, level 3, all cases: at least 95 %"
+    finer = f"{audit.FINER_BODIES}: 8 cells round by 12 cells round, level 3: at least 95 %"
     assert found[finer].found == "100.0 % (4 of 4)"
     assert {bar.verdict for bar in acceptance.bars(PaperResults(()))} == {"not run"}
 
