@@ -115,6 +115,12 @@ def test_uncertainties_and_sets() -> None:
     assert f"chosen dimensions: {spread} from the reference's" in report
 
 
+def test_sweep() -> None:
+    report = " ".join((ROOT / "docs" / "sweep" / "report.md").read_text(encoding="utf-8").split())
+    moulded, zigzag = re.findall(r"more than 10 % off at (\d+ of \d+) states", report)
+    assert f"off at {moulded} states as moulded" in README and f"at {zigzag} near the zigzag" in README
+
+
 def test_cost() -> None:
     def seconds(model: str, level: str) -> float:
         (row,) = (
