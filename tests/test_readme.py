@@ -19,6 +19,7 @@ NAMES = {
     "t = 2 mm, R_i = 7 mm, Dragon Skin 30": "heung-t2-ri7",
 }
 PRESSURES = ("5", "10", "15", "20")
+AUDIT_LEVELS = ("r3", "r8", "n12r3")
 
 
 @cache
@@ -28,11 +29,12 @@ def rows(study: str) -> tuple[dict[str, str], ...]:
 
 
 def found(study: str, scene: str, quantity: str, model: str, pressure: str = "20") -> dict[str, str]:
-    """The last row, which is that of the finest mesh."""
+    """The last row, which is that of the finest mesh; of the paper study, of that which is not for its audit only."""
     alike = [
         row
         for row in rows(study)
         if (row["scene"], row["quantity"], row["model"], row["pressure_kpa"]) == (scene, quantity, model, pressure)
+        and not (study == "paper" and row["level"] in AUDIT_LEVELS)
     ]
     assert alike, (study, scene, quantity, model, pressure)
     return alike[-1]
@@ -96,7 +98,7 @@ def test_convention_and_core() -> None:
     own = [tip(name, "axisymmetric") for name in thick]
     assert f"{other[0]:.2f} and {other[1]:.2f} mm" in README
     assert f"{own[0]:.2f} and {own[1]:.2f}" in README
-    bend = float(found("imperfection", "heung-t2-ri5-e10", "tip_bend_deg", "full3d", "5")["value"])
+    bend = abs(float(found("imperfection", "heung-t2-ri5-e10", "tip_bend_deg", "full3d", "5")["value"]))
     short = [
         float(found("imperfection", f"heung-t2-ri5-{core}", "tip_mm", "full3d", "5")["value"])
         for core in ("e10", "e00")
