@@ -39,7 +39,9 @@ def closed_form_values(scene: BellowsScene, pressure_kpa: float) -> list[tuple[s
         except BellowsError as error:
             out.append((model, math.nan, f"not available: {error}"))
     if not (scene.blocked or scene.load.tip_force_n) and all(math.isfinite(value) for _, value, _ in out[:1]):
-        out.append(("closed_form_outline", fed_mm(scene, pressure_kpa)[0], REACHED))
+        fed = fed_mm(scene, pressure_kpa)[0]
+        spans = math.isfinite(fed)
+        out.append(("closed_form_outline", fed, REACHED if spans else "not available: the wall cannot span the fold"))
     return out
 
 
@@ -59,7 +61,7 @@ def fed_mm(scene: BellowsScene, pressure_kpa: float) -> tuple[float, float]:
     Returns
     -------
     tuple of float
-        As it stands, with all bends straight; and less the slack at rest.
+        As it stands, with all bends straight; and less the slack at rest. NaN if the wall cannot span the fold.
     """
     d, shape = dimensions_of(scene), shape_of(scene)
     chain = closed_form(d, law_of(scene.material), pressure_kpa)
@@ -67,7 +69,8 @@ def fed_mm(scene: BellowsScene, pressure_kpa: float) -> tuple[float, float]:
 
     def elongation(root: float, wall: float) -> float:
         drop = d.crest_radius_mm + d.wall_mm - root * (d.root_radius_mm + d.wall_mm)
-        return 2.0 * d.convolutions * (math.sqrt(max(0.0, (wall * length) ** 2 - drop**2)) - half_pitch)
+        square = (wall * length) ** 2 - drop**2
+        return 2.0 * d.convolutions * (math.sqrt(square) - half_pitch) if square >= 0.0 else math.nan
 
     fed = elongation(float(chain.root_stretch[0]), float(chain.wall_stretch[0]))
     return fed, fed - elongation(1.0, 1.0)
