@@ -20,6 +20,7 @@ from solvers.assembly.surfaces import Surfaces, cell_measures
 from solvers.assembly.tangent import assemble, new_matrix
 from solvers.assembly.term import Term
 from solvers.assembly.unknowns import Unknowns
+from solvers.assembly.volumes import volume_measure
 from solvers.bodies.bond import BondedBodies
 from solvers.bodies.rigid import RigidBodies
 from solvers.bodies.turning import Turning, turning_bodies
@@ -67,6 +68,9 @@ class Problem:
         The load on the solid, and how far its cells are deformed.
     contact
         A term that may be set once the problem is there.
+    volume_start_mm3, volume_unit_mm3
+        What volumes of the load are counted from and measured by: see `solvers.assembly.volumes`; the body's own volume
+        for a load that keeps its direction.
 
     Raises
     ------
@@ -153,9 +157,10 @@ class Problem:
             form = compat.compile_form(ufl.TestFunctions(self.space)[1] * weight * dx)
         unit = compat.assemble_array(form, self.index_map)
         self.volume_scale = float(np.sqrt(dot(self.comm, unit, unit)))
-        # the unloaded volume, or the body's where the load encloses none
         body = float(self.comm.allreduce(float(unit.sum()), op=MPI.SUM))
-        self.volume_unit_mm3 = body if self.load.kind in DEAD else abs(self.cavity_volume())
+        self.volume_start_mm3, self.volume_unit_mm3 = 0.0, body
+        if self.load.kind not in DEAD:
+            self.volume_start_mm3, self.volume_unit_mm3 = volume_measure(self.cavity_volume(), self.load.area(kin))
 
     # ---- equations -------------------------------------------------------------------------------------
 
