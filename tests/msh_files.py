@@ -1,4 +1,4 @@
-"""Users' meshes for tests: structured lattices of triangles or tetrahedra, mapped to bodies, and written as gmsh files."""
+"""Users' meshes for tests: lattices of triangles or tetrahedra, mapped to bodies, and written as gmsh files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What volumes on which a pressure does work are measured by: steps, tolerances and limits of a path are shares of it."""
+"""What volumes on which a pressure does work are measured by: steps, tolerances and limits are shares of it."""
 
 from __future__ import annotations
 
