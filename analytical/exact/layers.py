@@ -1,6 +1,6 @@
 """Exact thick-walled tube (plane strain) and sphere of concentric layers under pressure, each layer with its own law.
 
-Incompressibility makes the deformation one map for all layers, r^2 = a^2 + R^2 - A^2 of a tube and r^3 = a^3 + R^3 - A^3
+Incompressibility makes the deformation one map for all layers, r^2 = a^2 + R^2 - A^2 of a tube, r^3 = a^3 + R^3 - A^3
 of a sphere, so that the deformed inner radius a fixes it. The radial stress and the displacement are continuous, so
 the pressures that the layers carry add up,
 

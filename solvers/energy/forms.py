@@ -5,8 +5,8 @@ Potential (docs/decisions.md says why this form):
     Pi(u, p) = int [ W(I1, I2) + p (J - 1) - p^2 / (2 kappa) ] dX  +  int_stiff psi dX
              -  P g(u)          (see solvers.energy.loads)   (+ the bond energy, see solvers.bodies.bond)
 
-with isochoric invariants I1, I2. ``1/kappa = 0`` is allowed. In a body of several materials W and kappa are a part's own,
-and p, the mean stress, jumps between parts.
+with isochoric invariants I1, I2. ``1/kappa = 0`` is allowed. In a body of several materials W and kappa are a part's
+own, and p, the mean stress, jumps between parts.
 """
 
 from __future__ import annotations
