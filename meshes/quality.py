@@ -10,10 +10,10 @@ from meshes.cells import cell_shape
 from meshes.solid import FACETS, REGIONS, FloatArray, IntArray, SolidMesh
 
 
-def jacobians(points: FloatArray, cells: IntArray) -> FloatArray:
-    """Signed Jacobian determinants at quadrature points, shape (cells, q)."""
+def jacobians(points: FloatArray, cells: IntArray, at: FloatArray | None = None) -> FloatArray:
+    """Signed Jacobian determinants at places of the reference cell, by default quadrature points, shape (cells, q)."""
     cell = cell_shape(points.shape[1], cells.shape[1])
-    at, _ = cell.rule
+    at = cell.rule[0] if at is None else at
     _, grads = cell.shape(at)
     out = np.empty((len(cells), len(at)))
     for first in range(0, len(cells), 20000):  # blocks keep the memory small

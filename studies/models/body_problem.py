@@ -25,6 +25,7 @@ from meshes.cells import CellKind
 from meshes.solid import FACETS, FloatArray, SolidMesh
 from meshes.surface import surface_weights
 from meshes.sweep import revolve_hexahedra
+from meshes.users.refine import refined
 from solvers.assembly.surfaces import SOFT, Surfaces
 from solvers.bodies.rigid import RigidBodies
 from solvers.discrete.domain import create_domain
@@ -103,7 +104,7 @@ def body_of(scene: BodyScene, model: str, level: str) -> Body:
         return _cook(fine)
     if isinstance(g, VentricleGeometry):
         return _ventricle(g, model, fine, cells)
-    return _user(g)
+    return _user(g, fine)
 
 
 def problem_of(scene: BodyScene, body: Body, comm: MPI.Comm) -> Problem:
@@ -281,8 +282,10 @@ def _ventricle(g: VentricleGeometry, model: str, fine: int, cells: CellKind) -> 
     return Body(mesh, Surfaces(cavity=cavity, clamped=clamped))
 
 
-def _user(g: MeshGeometry) -> Body:
+def _user(g: MeshGeometry, fine: int) -> Body:
     mesh = read_user_mesh(Path(g.file), g.scale)
+    for _ in range(fine.bit_length() - 1):
+        mesh = refined(mesh)
     axial = mesh.dimension - 1
     planes = {"axis": 0, "bottom": axial, "top": axial, "symmetry_z": axial}
     if mesh.dimension == 3:

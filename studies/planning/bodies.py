@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from meshes.by_gmsh.user_mesh import read_user_mesh
+from meshes.solid import SolidMesh
 from studies.planning.levels import MERIDIANS, Model
 from studies.planning.plan import Plan
 from studies.scene.bodies import BodyScene
@@ -15,7 +16,10 @@ from studies.scene.sections import SceneError
 # of cells go with.
 MERIDIAN_LEVELS = tuple(f"r{m}" for m in MERIDIANS)
 AROUND_LEVELS = {"hexahedra": ("n8", "n16"), "tetrahedra": ("n12", "n16")}
-RING_LEVELS, BLOCK_LEVELS, USER_LEVELS = ("r1", "r2"), ("n2", "n3"), ("m1",)
+RING_LEVELS, BLOCK_LEVELS = ("r1", "r2"), ("n2", "n3")
+# A user's mesh as it is, and with its edges halved once and twice, as far as a mesh has this many nodes at most: in 3D
+# one with 40,000 takes minutes.
+USER_LEVELS, MOST_NODES = ("m1", "m2", "m4"), {2: 200_000, 3: 40_000}
 COOK_LEVELS = ("n8", "n16", "n32")
 CYLINDER_LEVELS = {"hexahedra": ("n8", "n12", "n16"), "tetrahedra": ("n8", "n12", "n16")}
 NOT_COMPUTED = "a closed form is no model here: the exact answer stands beside every value, in rows.csv"
@@ -45,7 +49,7 @@ def plan_body(scene: BodyScene, model: Model | None = None) -> Plan:
     if chosen == "sector" and scene.mesh.element.startswith("tet"):
         raise SceneError(f'{scene.name}: a sector is meshed in hexahedra: it needs mesh.element = "hex" or "auto"')
     levels = _levels(scene, chosen)
-    stop_when_met = model is None and chosen == "axisymmetric" and len(levels) == 3
+    stop_when_met = model is None and len(levels) == 3 and (chosen == "axisymmetric" or scene.geometry.kind == "mesh")
     skipped = _skipped(scene, chosen)
     if model is None and len(allowed) > 1:
         skipped.insert(0, "sector and full 3D: the axisymmetric model is exact for this body (force one with --model)")
@@ -60,10 +64,14 @@ def models_of(scene: BodyScene) -> tuple[Model, ...]:
     """Models a scene has, the cheapest first."""
     g = scene.geometry
     if isinstance(g, MeshGeometry):
-        return ("axisymmetric",) if read_user_mesh(Path(g.file), g.scale).dimension == 2 else ("full3d",)
+        return ("axisymmetric",) if _mesh(g).dimension == 2 else ("full3d",)
     if g.kind == "ring":
         return ("sector",)
     return ("full3d",) if g.kind in ("block", "cook", "cylinder") else ("axisymmetric", "sector", "full3d")
+
+
+def _mesh(g: MeshGeometry) -> SolidMesh:
+    return read_user_mesh(Path(g.file), g.scale)
 
 
 def cells_of(scene: BodyScene, model: str) -> str:
@@ -80,7 +88,11 @@ def _levels(scene: BodyScene, model: Model) -> tuple[str, ...]:
         return CYLINDER_LEVELS[cells_of(scene, model)]
     if kind in ("tube", "sphere", "ventricle"):
         return MERIDIAN_LEVELS if model == "axisymmetric" else AROUND_LEVELS[cells_of(scene, model)]
-    return {"ring": RING_LEVELS, "block": BLOCK_LEVELS, "cook": COOK_LEVELS, "mesh": USER_LEVELS}[kind]
+    if isinstance(scene.geometry, MeshGeometry):
+        mesh = _mesh(scene.geometry)
+        fits = [len(mesh.points) * 2 ** (mesh.dimension * k) <= MOST_NODES[mesh.dimension] for k in range(1, 3)]
+        return USER_LEVELS[: 1 + sum(fits)]
+    return {"ring": RING_LEVELS, "block": BLOCK_LEVELS, "cook": COOK_LEVELS}[kind]
 
 
 def _skipped(scene: BodyScene, model: Model) -> list[str]:
@@ -97,8 +109,14 @@ def _skipped(scene: BodyScene, model: Model) -> list[str]:
         skipped.append(SLICE)
     if isinstance(g, TubeGeometry) and g.ends == "capped":
         skipped.append("the cap: a level plate on a stiff layer that moves the bore by 1e-5 of it, which ± leaves out")
-    if g.kind == "mesh":
-        skipped.append("a second mesh: the discretisation's uncertainty is not known from one")
+    if isinstance(g, MeshGeometry):
+        skipped.append("the shape's own error: refined meshes keep the shape of the one given, and ± is of that shape")
+        if len(_levels(scene, model)) == 1:
+            mesh = _mesh(g)
+            skipped.append(
+                f"a refined mesh, without which ± is not known: of {len(mesh.points)} nodes it would make more than the "
+                f"{MOST_NODES[mesh.dimension]:,} that are solved for it"
+            )
     return skipped
 
 
