@@ -161,7 +161,7 @@ class Problem:
             internal, energy = internal + self.bonded.forms.internal_force, energy + self.bonded.forms.energy
             tangents = {key: form + self.bonded.forms.tangent for key, form in tangents.items()}
         self._internal, self._energy = compat.compile_form(internal), compat.compile_form(energy)
-        self.load.compile(closed=bodies is not None and bodies.plate is not None)
+        self.load.compile(closed=bodies is not None and bodies.plate is not None and bodies.plate_closes)
         self.conservative = self.load.conservative
         self._tangent = compat.compile_form(tangents[self.conservative])
         self.deformation = Deformation(self.unknowns, kin, degree, self.timer, self.parts)

@@ -112,7 +112,7 @@ def harmonic_tangent(
     law: CompiledLaw,
     inverse_kappa: Any,
     stiff: StiffSolid | None,
-    measures: dict[str, Any],
+    measures: dict[int, Any],
     wave: Wave,
 ) -> Any:
     """Second variation of the stored energy in a harmonic, see this module's heading.

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Literal, cast
+
 import numpy as np
 import pytest
 
 from analytical.exact.layers import Layers, deformed_radius_mm, hydrostatic_pressure_mpa, layer_pressures_mpa
-from analytical.laws.isotropic import NeoHooke
+from analytical.laws.isotropic import Law, NeoHooke
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from meshes.bodies import sphere_meridian, tube_meridian
+from meshes.cells import CellKind
 from meshes.solid import FACETS, SolidMesh
 from solvers.assembly.surfaces import SOFT
 from solvers.energy.materials import Material
@@ -19,11 +22,15 @@ from solvers.problem import Problem
 from solvers.state import State
 
 # Layers of other laws, the outer one the stiffer; of the same law with other numbers.
-LAWS = {"yeoh, ogden": (DRAGON_SKIN_10, dragon_skin_30("2mu/alpha^2")), "neo-hooke": (NeoHooke(0.03), NeoHooke(0.3))}
+LAWS: dict[str, tuple[Law, Law]] = {
+    "yeoh, ogden": (DRAGON_SKIN_10, dragon_skin_30("2mu/alpha^2")),
+    "neo-hooke": (NeoHooke(0.03), NeoHooke(0.3)),
+}
 OUTER = 11
+Kind = Literal["tube", "sphere"]
 
 
-def body_and_mesh(kind: str, laws: str, through: int, cells: str) -> tuple[Layers, SolidMesh]:
+def body_and_mesh(kind: Kind, laws: str, through: int, cells: CellKind) -> tuple[Layers, SolidMesh]:
     body = Layers(kind, (4.0, 5.0, 6.0), LAWS[laws])
     if kind == "tube":
         return body, tube_meridian(4.0, 6.0, 1.0, through, 2 * through, cells)
@@ -41,7 +48,7 @@ def problem_of(body: Layers, mesh: SolidMesh, make_problem) -> Problem:
         mesh,
         body.laws[0],
         regions=np.where(middles > 5.0, OUTER, SOFT),
-        others={OUTER: Material(body.laws[1], 0.0)},
+        others={OUTER: Material(cast(Law, body.laws[1]), 0.0)},
         cavity=FACETS["cavity"],
         held=held,
     )
@@ -76,7 +83,7 @@ def errors(body: Layers, mesh: SolidMesh, state: State, bore: float, rms_errors)
     return rms_errors(mesh, state, lambda x: exact_displacement(body, bore, x), pressure)
 
 
-def orders(kind: str, laws: str, cells: str, levels: tuple[int, ...], make_problem, rms_errors) -> np.ndarray:
+def orders(kind: Kind, laws: str, cells: CellKind, levels: tuple[int, ...], make_problem, rms_errors) -> np.ndarray:
     """Observed orders of (u, p) in L2 between successive meshes, shape (levels - 1, 2)."""
     bore, found = 5.2, []
     for n in levels:
@@ -91,7 +98,9 @@ def orders(kind: str, laws: str, cells: str, levels: tuple[int, ...], make_probl
 @pytest.mark.parametrize("cells", ["triangles", "quadrilaterals"])
 @pytest.mark.parametrize("laws", LAWS)
 @pytest.mark.parametrize("kind", ["tube", "sphere"])
-def test_orders_of_two_layers_are_those_of_one(kind: str, laws: str, cells: str, make_problem, rms_errors) -> None:
+def test_orders_of_two_layers_are_those_of_one(
+    kind: Kind, laws: str, cells: CellKind, make_problem, rms_errors
+) -> None:
     found = orders(kind, laws, cells, (2, 4), make_problem, rms_errors)
     assert found[-1, 0] >= 2.8, found
     assert found[-1, 1] >= 1.8, found
