@@ -50,11 +50,12 @@ class Lattice:
             self.cells[odd] = self.cells[odd][:, [0, 2, 1, 3, 5, 4]]
 
     def facets(self, axis: int, at: float) -> np.ndarray:
-        """Corners of the facets on a plane of the square or cube."""
+        """Corners of the boundary's facets on a plane across an axis."""
         d = self.points.shape[1]
         corners = self.cells[:, : d + 1]
         facets = np.vstack([np.delete(corners, k, axis=1) for k in range(d + 1)])
-        facets = np.unique(np.sort(facets, axis=1), axis=0)
+        facets, count = np.unique(np.sort(facets, axis=1), axis=0, return_counts=True)
+        facets = facets[count == 1]
         return facets[(np.abs(self.points[facets][:, :, axis] - at) < 1e-12).all(axis=1)]
 
 
@@ -74,18 +75,20 @@ def write_msh(
     lattice, place
         The lattice, and where its nodes are: from (n, d) in [0, 1]^d to (n, d), mm.
     sides
-        Names of planes (axis, 0 or 1).
+        Names of the boundary's parts on planes (axis, place); several may have one name.
     volumes
         Which cells belong to each physical volume, by name; default all to ``rubber``. What is in none is unnamed.
     """
     points, d = place(lattice.points), lattice.points.shape[1]
     volumes = {"rubber": np.ones(len(lattice.cells), dtype=bool)} if volumes is None else volumes
-    names = [f'{d - 1} {k + 1} "{name}"' for k, name in enumerate(sides.values())]
+    known = list(dict.fromkeys(sides.values()))
+    names = [f'{d - 1} {k + 1} "{name}"' for k, name in enumerate(known)]
     names += [f'{d} {k + 101} "{name}"' for k, name in enumerate(volumes)]
     elements = []
-    for number, (axis, at) in enumerate(sides):
+    for (axis, at), name in sides.items():
+        number = known.index(name) + 1
         for facet in lattice.facets(axis, at) + 1:
-            elements.append(f"{_FACETS[d]} 2 {number + 1} {number + 1} {' '.join(map(str, facet))}")
+            elements.append(f"{_FACETS[d]} 2 {number} {number} {' '.join(map(str, facet))}")
     order = np.argsort(_GMSH[lattice.cells.shape[1]])
     region = np.zeros(len(lattice.cells), dtype=int)
     for number, cells in enumerate(volumes.values()):
