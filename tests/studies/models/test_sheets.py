@@ -58,13 +58,13 @@ def test_clamped_disc_inflated_to_half_its_radius(solved) -> None:
 
 
 def test_small_deflection_of_a_clamped_disc(solved) -> None:
-    radius, thickness, mu = 100.0, 3.0, 100.0
+    radius, thickness, mu = 100.0, 4.0, 100.0
     stiffness = mu * thickness**3 / 3.0  # E h^3 / 12 (1 - nu^2) of an incompressible material
-    load = 0.01 * thickness * 64.0 * stiffness / radius**4
+    load = 0.02 * thickness * 64.0 * stiffness / radius**4
     code, rows, out = solved((100, 3), disc(radius, thickness), BELOW, mu, [load])
     assert code == 0
     shear = 6.4 * (thickness / radius) ** 2  # of Mindlin's plate with shear factor 5/6
-    assert rows[0].value == pytest.approx(load * radius**4 / (64.0 * stiffness) * (1.0 + shear), rel=0.01)
+    assert rows[0].value == pytest.approx(load * radius**4 / (64.0 * stiffness) * (1.0 + shear), rel=0.015)
     assert read_path(out)[-1].volume_mm3 == pytest.approx(math.pi * radius**2 * rows[0].value / 3.0, rel=0.02)
 
 

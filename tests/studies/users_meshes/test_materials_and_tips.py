@@ -299,7 +299,7 @@ def test_rigid_ring_is_the_limit_of_a_stiff_one(solved) -> None:
     assert rigid["volume_mm3"][0].value == pytest.approx(rows["volume_mm3"][0].value, rel=5e-4)
     assert rigid["rigid_ring_mm"][0].value == pytest.approx(at_ring[1], rel=0.01)
     assert rigid["rigid_ring_mm"][0].unit == "mm"
-    assert read_path(out)[-1].bond_slip_rms_mm < 1e-4 * abs(at_ring[1])
+    assert read_path(out)[-1].bond_slip_rms_mm < 1e-5
 
 
 def test_cavity_that_a_rigid_surface_cannot_close_is_refused(solved) -> None:
@@ -338,16 +338,19 @@ def test_free_rigid_surface_in_3d_turns_with_the_body(solved) -> None:
 
     sides = {(0, 0.0): "cavity", (2, 0.0): "clamped", (2, 1.0): "rigid_end"}
     material = "[material]\nlaw = 'neo-hooke'\nmu_kpa = 100.0"
+    lattice = Lattice((2, 2, 5))
+    # a notch between the pressed side and the end
+    lattice.cells = lattice.cells[(lattice.box[:, 0] > 0) | (lattice.box[:, 2] < 4)]
     rows, out, _ = solved(
-        Lattice((2, 2, 5)), beam, sides, "pressure_kpa = [0.2]", ["displacement_max_mm"], None, material, expect=0
+        lattice, beam, sides, "pressure_kpa = [0.2]", ["displacement_max_mm"], None, material, expect=0
     )
-    corners = np.array([(x, y, 8.0) for x in (0.0, 2.0) for y in (0.0, 2.0)])
+    corners = np.array([(x, y, 8.0) for x in (1.0, 2.0) for y in (0.0, 2.0)])
     moved = corners + [displacement_at(out, tuple(at)) for at in corners]
     for i, j in ((0, 1), (0, 2), (0, 3), (1, 2)):
         assert math.dist(moved[i], moved[j]) == pytest.approx(math.dist(corners[i], corners[j]), rel=1e-4)
-    turn = math.degrees(math.acos(np.cross(moved[2] - moved[0], moved[1] - moved[0])[2] / 4.0))
+    turn = math.degrees(math.acos(np.cross(moved[2] - moved[0], moved[1] - moved[0])[2] / 2.0))
     assert rows["rigid_end_turn_deg"][0].value == pytest.approx(turn, rel=1e-3)
-    assert rows["rigid_end_x_mm"][0].value == pytest.approx(moved[:, 0].mean() - 1.0, rel=1e-3)
-    # Euler's beam: q l^3 / (6 E I), of small turns
-    slope = 2e-4 * 2.0 * 8.0**3 / (6.0 * 0.3 * 2.0**4 / 12.0)
+    assert rows["rigid_end_x_mm"][0].value == pytest.approx(moved[:, 0].mean() - 1.5, rel=1e-3)
+    # Euler's beam under the pressure on its lower part: q l^3 / (6 E I), of small turns
+    slope = 2e-4 * 2.0 * 6.4**3 / (6.0 * 0.3 * 2.0**4 / 12.0)
     assert math.radians(turn) == pytest.approx(slope, rel=0.1)
