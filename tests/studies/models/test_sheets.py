@@ -93,3 +93,25 @@ def test_dome_under_pressure_on_either_side_ends_as_one_balloon(solved, rise_mm:
     assert (np.diff(volumes) > 0.0).all()
     # the flat disc's within the rise
     assert rows[1].value == pytest.approx(26.6, abs=1.2 * rise_mm)
+
+
+def test_square_plate_in_3d_lies_and_stands(solved, monkeypatch) -> None:
+    """A quarter of a clamped plate, flat, and upright 300 mm from the axis, which its volume then says."""
+    monkeypatch.setattr("studies.planning.bodies.USER_LEVELS", ("m1",))
+    half, thickness, mu, loads = 50.0, 4.0, 100.0, [1.3e-4, 1.0]
+    clamped = {(0, 1.0): "clamped", (1, 1.0): "clamped", (2, 0.0): "cavity"}
+    flat = {**clamped, (0, 0.0): "symmetry_x", (1, 0.0): "symmetry_y"}
+    upright = {**clamped, (0, 0.0): "symmetry_y", (1, 0.0): "symmetry_z"}
+
+    def standing(x):
+        return np.column_stack([300.0 + thickness * x[:, 2], half * x[:, 0], half * x[:, 1]])
+
+    _, lying, _ = solved((6, 6, 1), lambda x: x * [half, half, thickness], flat, mu, loads)
+    code, rows, out = solved((6, 6, 1), standing, upright, mu, loads)
+    assert code == 0
+    assert [r.value for r in rows] == pytest.approx([r.value for r in lying], rel=1e-5)
+    # Timoshenko's thin plate: w = 0.00126 P a^4 / D; six cells along a half leave 4 %
+    stiffness = mu * thickness**3 / 3.0
+    assert rows[0].value == pytest.approx(0.00126 * loads[0] * (2.0 * half) ** 4 / stiffness, rel=0.06)
+    swept = read_path(out)[-1].volume_mm3 - 300.0 * half**2 / 2.0
+    assert 0.2 < swept / (half**2 * rows[1].value) < 0.5
