@@ -125,6 +125,35 @@ def test_two_layers_in_3d(solved) -> None:
     assert rows["volume_mm3"][0].value == pytest.approx(0.25 * math.pi * inner**2 * LENGTH, rel=1e-3)
 
 
+ONE_MESH = """
+import solvers, studies.planning.bodies as bodies
+from studies.__main__ import main
+bodies.USER_LEVELS = ("m1",)
+main()
+"""
+
+
+def test_two_layers_are_the_same_on_two_ranks(solved, python) -> None:
+    """Nodes between materials and ranks: a rank may own a pressure of a material that it has no cell of."""
+    lattice = Lattice((2, 4, 1))
+    outside = lattice.box[:, 0] >= 1
+    rows, out, _ = solved(
+        lattice,
+        quarter_tube,
+        {**QUARTER, (2, 1.0): "tip"},
+        "pressure_kpa = [5.0, 10.0, 20.0]\ntip_force_n = 0.1",
+        ["volume_mm3", "tip_mm"],
+        {"layer": outside},
+        f"[material]\n{YEOH}\n[materials.layer]\n{STIFF}",
+    )
+    python.run(2, "-c", ONE_MESH, "solve", out.parent / "part.toml", "--out", out.parent / "two")
+    assert read_summary(out.parent / "two").ranks == 2
+    found = {(r.quantity, r.pressure_kpa): r.value for r in read_rows(out.parent / "two" / "rows.csv")}
+    for quantity in ("volume_mm3", "tip_mm", "unstable_modes"):
+        for row in rows[quantity]:
+            assert found[quantity, row.pressure_kpa] == pytest.approx(row.value, rel=1e-9)
+
+
 @pytest.mark.parametrize(
     ("materials", "said"),
     [
