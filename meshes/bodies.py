@@ -16,16 +16,38 @@ from meshes.errors import GeometryError
 from meshes.meridian import split_quadrilaterals
 from meshes.solid import FACETS, REGIONS, FloatArray, IntArray, SolidMesh
 
+# Walls whose outer radius is more than so many times the inner one are graded. Two cells, the fewest through a wall,
+# then double the radius each.
+GRADED_BEYOND = 4.0
+
 
 def _require_radii(inner_mm: float, outer_mm: float) -> None:
     if not 0.0 < inner_mm < outer_mm < math.inf:
         raise GeometryError(f"radii {inner_mm:g}, {outer_mm:g} mm: need 0 < inner < outer")
 
 
+def cells_through(inner_mm: float, outer_mm: float, cells: int) -> int:
+    """Cells through a wall: as many as are given, and of a graded one as many for each factor `GRADED_BEYOND`."""
+    _require_radii(inner_mm, outer_mm)
+    return cells * math.ceil(max(1.0, math.log(outer_mm / inner_mm) / math.log(GRADED_BEYOND)))
+
+
+def _radii(inner_mm: float, outer_mm: float, through: int) -> FloatArray:
+    """Radii of the layers of nodes through a wall, mm: equally spaced, or of a thick wall in a geometric sequence.
+
+    Displacements fall like 1/r in a tube and 1/r^2 in a sphere, so in ln r they are as smooth near the bore as far from
+    it, and so are the stresses; mid-nodes are in the sequence too, which keeps the mapping smooth and its order.
+    """
+    _require_radii(inner_mm, outer_mm)
+    if outer_mm <= GRADED_BEYOND * inner_mm:
+        return np.linspace(inner_mm, outer_mm, 2 * through + 1)
+    return np.geomspace(inner_mm, outer_mm, 2 * through + 1)
+
+
 def tube_meridian(
     inner_mm: float, outer_mm: float, length_mm: float, along: int, through: int, cells: CellKind = "triangles"
 ) -> SolidMesh:
-    """Meridian of a tube: 0 <= z <= length, inner <= r <= outer.
+    """Meridian of a tube: 0 <= z <= length, inner <= r <= outer; a thick wall is graded, see `GRADED_BEYOND`.
 
     Parameters
     ----------
@@ -41,11 +63,10 @@ def tube_meridian(
     SolidMesh
         Surfaces ``cavity`` (inside), ``outer``, ``bottom`` and ``top``.
     """
-    _require_radii(inner_mm, outer_mm)
+    r = _radii(inner_mm, outer_mm, through)
     if not 0.0 < length_mm < math.inf:
         raise GeometryError(f"length {length_mm:g} mm: must be positive")
     z = length_mm * np.linspace(0.0, 1.0, 2 * along + 1)
-    r = np.linspace(inner_mm, outer_mm, 2 * through + 1)
     lattice = np.stack([np.broadcast_to(r, (len(z), len(r))), np.broadcast_to(z[:, None], (len(z), len(r)))], axis=-1)
     return lattice_meridian(lattice, ("cavity", "outer", "bottom", "top"), cells)
 
@@ -53,7 +74,7 @@ def tube_meridian(
 def sphere_meridian(
     inner_mm: float, outer_mm: float, along: int, through: int, cells: CellKind = "triangles"
 ) -> SolidMesh:
-    """Meridian of the upper half of a thick sphere, from the equator z = 0 to the axis.
+    """Meridian of the upper half of a sphere, from the equator z = 0 to the axis; a thick wall is graded.
 
     Parameters
     ----------
@@ -69,9 +90,8 @@ def sphere_meridian(
     SolidMesh
         Surfaces ``cavity`` (inside), ``outer``, ``bottom`` (the equator's plane) and ``axis``.
     """
-    _require_radii(inner_mm, outer_mm)
+    radius = _radii(inner_mm, outer_mm, through)
     angle = 0.5 * math.pi * np.linspace(0.0, 1.0, 2 * along + 1)[:, None]
-    radius = np.linspace(inner_mm, outer_mm, 2 * through + 1)
     lattice = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=-1)
     lattice[-1, :, 0] = 0.0
     lattice[0, :, 1] = 0.0

@@ -13,7 +13,9 @@ import numpy as np
 from mpi4py import MPI
 
 from meshes.bodies import (
+    GRADED_BEYOND,
     block,
+    cells_through,
     cook_membrane,
     cylinder_meridian,
     sphere_meridian,
@@ -176,19 +178,21 @@ def enclosed_mm3(scene: BodyScene, load_volume_mm3: float) -> float:
 
 def _tube(g: TubeGeometry, model: str, fine: int, cells: CellKind) -> Body:
     refine = fine if model == "axisymmetric" else 1
-    through = 2 * fine if model == "axisymmetric" else max(2, fine // 4)
-    along = through // 2
+    cells_in_wall = 2 * fine if model == "axisymmetric" else max(2, fine // 4)
+    along = cells_in_wall // 2
     if g.ends == "bonded":
-        wall = g.outer_radius_mm - g.inner_radius_mm
+        wall = min(g.outer_radius_mm, GRADED_BEYOND * g.inner_radius_mm) - g.inner_radius_mm
         along = min(math.ceil(2.0 * g.length_mm / wall), LONGEST_ROW) * refine
         along = max(2, along if model == "axisymmetric" else along * fine // 12)
-    meridian = tube_meridian(g.inner_radius_mm, g.outer_radius_mm, g.length_mm, along, through, cells)
+    radii = g.inner_radius_mm, g.outer_radius_mm
+    meridian = tube_meridian(*radii, g.length_mm, along, cells_through(*radii, cells_in_wall), cells)
     return _swept(meridian, model, fine, g.ends)
 
 
 def _sphere(g: SphereGeometry, model: str, fine: int, cells: CellKind) -> Body:
-    along, through = (6 * fine, 2 * fine) if model == "axisymmetric" else (max(6, fine // 2), max(2, fine // 4))
-    meridian = sphere_meridian(g.inner_radius_mm, g.outer_radius_mm, along, through, cells)
+    along, wall = (6 * fine, 2 * fine) if model == "axisymmetric" else (max(6, fine // 2), max(2, fine // 4))
+    radii = g.inner_radius_mm, g.outer_radius_mm
+    meridian = sphere_meridian(*radii, along, cells_through(*radii, wall), cells)
     body = _swept(meridian, model, fine, "symmetric")
     return dataclasses.replace(body, parts=2 * body.parts)
 
@@ -232,7 +236,8 @@ def _three_pins(mesh: SolidMesh) -> Held:
 
 def _ring(g: RingGeometry, fine: int, dead: bool) -> Body:
     wall = g.outer_radius_mm - g.inner_radius_mm
-    meridian = tube_meridian(g.inner_radius_mm, g.outer_radius_mm, 0.5 * wall, 1, 2 * fine, "quadrilaterals")
+    radii = g.inner_radius_mm, g.outer_radius_mm
+    meridian = tube_meridian(*radii, 0.5 * wall, 1, cells_through(*radii, 2 * fine), "quadrilaterals")
     angle = math.pi / g.waves
     mesh = revolve_hexahedra(meridian, 6 * fine, angle)
     # Components along both planes of symmetry: what crosses the one at angle 0 is the second, at the end the first.

@@ -1,0 +1,131 @@
+"""Whether what was asked holds its tolerance: the rows that miss it, by how much, and what can be done.
+
+A tolerance is a share of the value's size. Where a quantity passes zero on the way no mesh could hold a share of it, so
+the size counted is at least a hundredth (`SMALL`) of the largest of that quantity over the requested loads.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import cast
+
+from studies.planning.bodies import models_of
+from studies.planning.levels import MOST_UNKNOWNS, Model
+from studies.results.rows import NOT_MET, Row
+from studies.scene.bodies import BodyScene
+from studies.scene.load import Scene
+
+SMALL = 0.01
+
+
+@dataclass(frozen=True)
+class Shortfall:
+    """A value that does not hold the scene's tolerance.
+
+    Attributes
+    ----------
+    row
+        The value, its status as it was found.
+    reached_percent, asked_percent
+        Its uncertainty in percent of what the tolerance is of, infinite if no other mesh tells it; and the tolerance.
+    """
+
+    row: Row
+    reached_percent: float
+    asked_percent: float
+
+    @property
+    def status(self) -> str:
+        """For the row."""
+        return f"{NOT_MET}: {_certain(self.reached_percent)}, {self.asked_percent:g} % asked"
+
+
+def asked_of(scene: Scene, rows: Sequence[Row], model: str, level: str) -> tuple[Row, ...]:
+    """Rows of a mesh that the tolerance is asked of: the requested quantities, as far as they were reached.
+
+    Of a bellows one quantity is to be found, the other one of its tip is given: a force, or no displacement where it is
+    blocked.
+    """
+    wanted = scene.quantities if isinstance(scene, BodyScene) else (scene.main_quantity,)
+    of_model = [row for row in rows if row.model == model and row.quantity in wanted]
+    of_mesh = [row for row in of_model if row.level == level]
+    return tuple(row for row in of_mesh if math.isfinite(row.value) or _missing(row, of_model))
+
+
+def shortfalls(scene: Scene, rows: Sequence[Row], model: str, level: str) -> tuple[Shortfall, ...]:
+    """Requested values of a mesh that do not hold the scene's tolerance; none of a body that has one mesh only."""
+    if isinstance(scene, BodyScene) and len({row.level for row in rows if row.model == model}) < 2:
+        return ()
+    asked = asked_of(scene, rows, model, level)
+    percents = [(row, _percent(row, [r for r in asked if r.quantity == row.quantity])) for row in asked]
+    tolerance = scene.ask.tolerance_percent
+    return tuple(Shortfall(row, percent, tolerance) for row, percent in percents if not percent <= tolerance)
+
+
+def worst_percent(asked: Sequence[Row]) -> float:
+    """The largest uncertainty in percent of what a tolerance is of, of the rows of `asked_of`; NaN without any."""
+    return max((_percent(row, [r for r in asked if r.quantity == row.quantity]) for row in asked), default=math.nan)
+
+
+def marked(rows: Sequence[Row], missed: Sequence[Shortfall]) -> tuple[Row, ...]:
+    """The rows, those that miss the tolerance with their status."""
+    status = {id(shortfall.row): shortfall.status for shortfall in missed}
+    return tuple(replace(row, status=status[id(row)]) if id(row) in status else row for row in rows)
+
+
+def sentence(scene: Scene, missed: Sequence[Shortfall], judged: int) -> str:
+    """What misses the tolerance by most, by how much, and what to do; empty if nothing does.
+
+    Parameters
+    ----------
+    judged
+        Number of values that the tolerance was asked of.
+    """
+    if not missed:
+        return ""
+    worst = max(missed, key=lambda s: s.reached_percent)
+    row = worst.row
+    at = "" if math.isnan(row.pressure_kpa) else f" at {row.pressure_kpa:g} kPa"
+    others = f"; {len(missed)} of {judged} values miss it" if judged > 1 else ""
+    return (
+        f"tolerance {worst.asked_percent:g} % not met: {row.quantity}{at}: {_certain(worst.reached_percent)} on "
+        f"{row.model} {row.level}{others}. {_remedy(scene, worst)}"
+    )
+
+
+def _percent(row: Row, alike: Sequence[Row]) -> float:
+    """Uncertainty in percent of a value's size, beside those of its mesh and quantity; infinite if it is not known."""
+    if math.isnan(row.value):
+        return math.inf
+    largest = max((abs(other.value) for other in alike if math.isfinite(other.value)), default=math.nan)
+    size = max(abs(row.value), SMALL * largest)
+    if row.uncertainty == 0.0:
+        return 0.0
+    return 100.0 * row.uncertainty / size if size > 0.0 and math.isfinite(row.uncertainty) else math.inf
+
+
+def _missing(row: Row, of_model: Sequence[Row]) -> bool:
+    """True if a whole path has not what another mesh's has, such as a limit point."""
+    stopped = row.status.startswith("stopped")
+    others = (other.value for other in of_model if other.quantity == row.quantity)
+    return math.isnan(row.pressure_kpa) and not stopped and any(map(math.isfinite, others))
+
+
+def _certain(percent: float) -> str:
+    """An uncertainty in words, rounded up: who asks for no more than is said gets it."""
+    return f"± {1.005 * percent:.3g} % reached" if math.isfinite(percent) else "no second mesh confirms it"
+
+
+def _remedy(scene: Scene, worst: Shortfall) -> str:
+    model = cast(Model, worst.row.model)
+    closer = ""
+    if model in ("sector", "full3d"):
+        flat = "axisymmetric" in models_of(scene) if isinstance(scene, BodyScene) else not scene.geometry.eccentricity
+        closer = "ask for --model axisymmetric, which is exact for this scene and finer, or " if flat else ""
+    if not math.isfinite(worst.reached_percent):
+        return f"To do: {closer}leave out the loads that other meshes do not reach"
+    enough = 1.005 * worst.reached_percent
+    last = f"set ask.tolerance_percent to {enough:.3g} or more" if enough <= 100.0 else "ask for smaller loads"
+    return f"Meshes are refined up to {MOST_UNKNOWNS[model]:,} unknowns; to do: {closer}{last}"
