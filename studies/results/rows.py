@@ -86,8 +86,13 @@ def difference_percent(value: float, reference: float) -> float:
 
 
 def is_reached(entry: Row) -> bool:
-    """True unless a run stopped before the row's pressure, or a closed form has no answer there."""
+    """True unless a run stopped before the row's pressure, or a closed form has no answer there; however certain."""
     return entry.status.startswith((REACHED, NOT_MET))
+
+
+def misses_tolerance(entry: Row) -> bool:
+    """True for a value that is not as certain as was asked."""
+    return entry.status.startswith(NOT_MET)
 
 
 COLUMNS = tuple(f.name for f in fields(Row))

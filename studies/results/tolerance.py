@@ -13,7 +13,7 @@ from typing import cast
 
 from studies.planning.bodies import models_of
 from studies.planning.levels import MOST_UNKNOWNS, Model
-from studies.results.rows import NOT_MET, Row
+from studies.results.rows import NOT_MET, REACHED, Row
 from studies.scene.bodies import BodyScene
 from studies.scene.load import Scene
 
@@ -38,8 +38,10 @@ class Shortfall:
 
     @property
     def status(self) -> str:
-        """For the row."""
-        return f"{NOT_MET}: {_certain(self.reached_percent)}, {self.asked_percent:g} % asked"
+        """For the row: how far it is from the tolerance, and what was said of it besides."""
+        besides = self.row.status.removeprefix(REACHED).strip(", ")
+        said = f"{NOT_MET}: {_certain(self.reached_percent)}, {self.asked_percent:g} % asked"
+        return f"{said}; {besides}" if besides else said
 
 
 def asked_of(scene: Scene, rows: Sequence[Row], model: str, level: str) -> tuple[Row, ...]:
