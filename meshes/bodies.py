@@ -26,22 +26,22 @@ def _require_radii(inner_mm: float, outer_mm: float) -> None:
         raise GeometryError(f"radii {inner_mm:g}, {outer_mm:g} mm: need 0 < inner < outer")
 
 
-def cells_through(inner_mm: float, outer_mm: float, cells: int) -> int:
-    """Cells through a wall: as many as are given, and of a graded one as many for each factor `GRADED_BEYOND`."""
-    _require_radii(inner_mm, outer_mm)
-    return cells * math.ceil(max(1.0, math.log(outer_mm / inner_mm) / math.log(GRADED_BEYOND)))
+def cells_through(ratio: float, cells: int) -> int:
+    """Cells through a wall whose outer radius is ``ratio`` times the inner one: of a graded wall more.
+
+    As many as are given for each factor `GRADED_BEYOND`, so that no cell is longer for its radius than in other walls.
+    """
+    return cells * math.ceil(max(1.0, math.log(ratio) / math.log(GRADED_BEYOND)))
 
 
-def _radii(inner_mm: float, outer_mm: float, through: int) -> FloatArray:
+def _layers(inner_mm: float, outer_mm: float, through: int, ratio: float) -> FloatArray:
     """Radii of the layers of nodes through a wall, mm: equally spaced, or of a thick wall in a geometric sequence.
 
     Displacements fall like 1/r in a tube and 1/r^2 in a sphere, so in ln r they are as smooth near the bore as far from
-    it, and so are the stresses; mid-nodes are in the sequence too, which keeps the mapping smooth and its order.
+    it, and so are the stresses; mid-nodes are in the sequence too, so that the mapping is smooth and the order is kept.
     """
-    _require_radii(inner_mm, outer_mm)
-    if outer_mm <= GRADED_BEYOND * inner_mm:
-        return np.linspace(inner_mm, outer_mm, 2 * through + 1)
-    return np.geomspace(inner_mm, outer_mm, 2 * through + 1)
+    spaced = np.geomspace if ratio > GRADED_BEYOND else np.linspace
+    return spaced(inner_mm, outer_mm, 2 * through + 1)
 
 
 def tube_meridian(
@@ -63,10 +63,11 @@ def tube_meridian(
     SolidMesh
         Surfaces ``cavity`` (inside), ``outer``, ``bottom`` and ``top``.
     """
-    r = _radii(inner_mm, outer_mm, through)
+    _require_radii(inner_mm, outer_mm)
     if not 0.0 < length_mm < math.inf:
         raise GeometryError(f"length {length_mm:g} mm: must be positive")
     z = length_mm * np.linspace(0.0, 1.0, 2 * along + 1)
+    r = _layers(inner_mm, outer_mm, through, outer_mm / inner_mm)
     lattice = np.stack([np.broadcast_to(r, (len(z), len(r))), np.broadcast_to(z[:, None], (len(z), len(r)))], axis=-1)
     return lattice_meridian(lattice, ("cavity", "outer", "bottom", "top"), cells)
 
@@ -90,8 +91,9 @@ def sphere_meridian(
     SolidMesh
         Surfaces ``cavity`` (inside), ``outer``, ``bottom`` (the equator's plane) and ``axis``.
     """
-    radius = _radii(inner_mm, outer_mm, through)
+    _require_radii(inner_mm, outer_mm)
     angle = 0.5 * math.pi * np.linspace(0.0, 1.0, 2 * along + 1)[:, None]
+    radius = _layers(inner_mm, outer_mm, through, outer_mm / inner_mm)
     lattice = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=-1)
     lattice[-1, :, 0] = 0.0
     lattice[0, :, 1] = 0.0
@@ -135,7 +137,8 @@ def ventricle_meridian(
 ) -> SolidMesh:
     """Meridian of a wall between two ellipsoids of revolution, cut off by a plane: an idealised ventricle, apex up.
 
-    Surfaces between the two are ellipsoids too, with semi-axes in between (Land et al. 2015, problem 2).
+    Surfaces between the two are ellipsoids too, with semi-axes in between (Land et al. 2015, problem 2); a thick wall
+    is graded.
 
     Parameters
     ----------
@@ -153,12 +156,13 @@ def ventricle_meridian(
     SolidMesh
         Surfaces ``cavity``, ``outer``, ``clamped`` (the base) and ``axis``; the tip is the apex outside.
     """
-    across, up = (np.linspace(a, b, 2 * through + 1) for a, b in zip(inner_mm, outer_mm, strict=True))
     if not (0.0 < inner_mm[0] < outer_mm[0] and 0.0 <= base_mm < inner_mm[1] < outer_mm[1] < math.inf):
         raise GeometryError(
             f"semi-axes {inner_mm} and {outer_mm} mm, base {base_mm:g} mm: need 0 < inner < outer and base < the inner "
             "one along the axis"
         )
+    ratio = max(b / a for a, b in zip(inner_mm, outer_mm, strict=True))
+    across, up = (_layers(a, b, through, ratio) for a, b in zip(inner_mm, outer_mm, strict=True))
     share = np.linspace(0.0, 1.0, 2 * along + 1)[:, None]
     start = -np.arcsin(base_mm / up)
     angle = start + share * (0.5 * math.pi - start)

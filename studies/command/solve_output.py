@@ -14,10 +14,10 @@ from rich.console import Console
 from rich.table import Table
 
 from studies.models.session import SceneResult
+from studies.models.tolerance import worst_percent
 from studies.report.labels import model_label, ordered, quantity_label, run_label
 from studies.report.numbers import signed
 from studies.results.rows import Row
-from studies.results.tolerance import worst_percent
 from studies.scene.load import Scene
 
 # The models whose result is the answer, the best first.

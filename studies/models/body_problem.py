@@ -178,21 +178,21 @@ def enclosed_mm3(scene: BodyScene, load_volume_mm3: float) -> float:
 
 def _tube(g: TubeGeometry, model: str, fine: int, cells: CellKind) -> Body:
     refine = fine if model == "axisymmetric" else 1
-    cells_in_wall = 2 * fine if model == "axisymmetric" else max(2, fine // 4)
-    along = cells_in_wall // 2
+    in_wall = 2 * fine if model == "axisymmetric" else max(2, fine // 4)
+    along = in_wall // 2
     if g.ends == "bonded":
         wall = min(g.outer_radius_mm, GRADED_BEYOND * g.inner_radius_mm) - g.inner_radius_mm
         along = min(math.ceil(2.0 * g.length_mm / wall), LONGEST_ROW) * refine
         along = max(2, along if model == "axisymmetric" else along * fine // 12)
-    radii = g.inner_radius_mm, g.outer_radius_mm
-    meridian = tube_meridian(*radii, g.length_mm, along, cells_through(*radii, cells_in_wall), cells)
+    through = cells_through(g.outer_radius_mm / g.inner_radius_mm, in_wall)
+    meridian = tube_meridian(g.inner_radius_mm, g.outer_radius_mm, g.length_mm, along, through, cells)
     return _swept(meridian, model, fine, g.ends)
 
 
 def _sphere(g: SphereGeometry, model: str, fine: int, cells: CellKind) -> Body:
-    along, wall = (6 * fine, 2 * fine) if model == "axisymmetric" else (max(6, fine // 2), max(2, fine // 4))
-    radii = g.inner_radius_mm, g.outer_radius_mm
-    meridian = sphere_meridian(*radii, along, cells_through(*radii, wall), cells)
+    along, in_wall = (6 * fine, 2 * fine) if model == "axisymmetric" else (max(6, fine // 2), max(2, fine // 4))
+    through = cells_through(g.outer_radius_mm / g.inner_radius_mm, in_wall)
+    meridian = sphere_meridian(g.inner_radius_mm, g.outer_radius_mm, along, through, cells)
     body = _swept(meridian, model, fine, "symmetric")
     return dataclasses.replace(body, parts=2 * body.parts)
 
@@ -236,8 +236,8 @@ def _three_pins(mesh: SolidMesh) -> Held:
 
 def _ring(g: RingGeometry, fine: int, dead: bool) -> Body:
     wall = g.outer_radius_mm - g.inner_radius_mm
-    radii = g.inner_radius_mm, g.outer_radius_mm
-    meridian = tube_meridian(*radii, 0.5 * wall, 1, cells_through(*radii, 2 * fine), "quadrilaterals")
+    through = cells_through(g.outer_radius_mm / g.inner_radius_mm, 2 * fine)
+    meridian = tube_meridian(g.inner_radius_mm, g.outer_radius_mm, 0.5 * wall, 1, through, "quadrilaterals")
     angle = math.pi / g.waves
     mesh = revolve_hexahedra(meridian, 6 * fine, angle)
     # Components along both planes of symmetry: what crosses the one at angle 0 is the second, at the end the first.
@@ -272,8 +272,9 @@ def _cook(fine: int) -> Body:
 
 
 def _ventricle(g: VentricleGeometry, model: str, fine: int, cells: CellKind) -> Body:
-    along, through = (8 * fine, 2 * fine) if model == "axisymmetric" else (fine, max(2, fine // 8))
+    along, in_wall = (8 * fine, 2 * fine) if model == "axisymmetric" else (fine, max(2, fine // 8))
     inner, outer = (g.inner_across_mm, g.inner_along_mm), (g.outer_across_mm, g.outer_along_mm)
+    through = cells_through(max(b / a for a, b in zip(inner, outer, strict=True)), in_wall)
     meridian = ventricle_meridian(inner, outer, g.base_mm, along, through, cells)
     clamped, cavity = FACETS["clamped"], FACETS["cavity"]
     if model == "axisymmetric":

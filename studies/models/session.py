@@ -17,7 +17,8 @@ from studies.models.axisymmetric import run_axisymmetric
 from studies.models.closed_form import run_closed_form
 from studies.models.full3d import SolidModel, run_full3d
 from studies.models.modes import COUNTED_LEVELS, WARNING
-from studies.models.refinement import finer_body, until_good_enough
+from studies.models.tolerance import Shortfall, asked_of, finer_body, marked, shortfalls, until_good_enough
+from studies.models.tolerance import sentence as shortfall_sentence
 from studies.planning.bodies import models_of
 from studies.planning.error_model import MERIDIAN_SHARE
 from studies.planning.levels import MODELS, BodyLevel, fineness, ranking
@@ -29,8 +30,6 @@ from studies.results.expectations import expectation_rows, sentence
 from studies.results.rows import NOT_MET, Row, write_rows
 from studies.results.run_files import PATH_FILE, SUMMARY_FILE, read_summary, write_summary
 from studies.results.runs import MERIDIAN_ORDERS, Run, of_model, read_run, run_hash, tip_at, tip_convergence
-from studies.results.tolerance import Shortfall, asked_of, marked, shortfalls
-from studies.results.tolerance import sentence as shortfall_sentence
 from studies.scene.bellows import BellowsScene
 from studies.scene.bodies import BodyScene
 from studies.scene.load import Scene

@@ -11,11 +11,11 @@ from typing import Any, Literal, get_args
 
 from analytical.bellows.chains import closed_form
 from analytical.bellows.dimensions import BellowsError
+from studies.models.tolerance import marked, shortfalls
 from studies.results.bellows_rows import bellows_rows
 from studies.results.csv_files import field_text, field_value, read_lines, write_lines
 from studies.results.rows import NOT_MET, REACHED, Row, difference_percent, row
 from studies.results.runs import Run
-from studies.results.tolerance import marked, shortfalls
 from studies.scene.bellows import BellowsScene, dimensions_of
 from studies.scene.materials import law_of
 from studies.scene.sweep import Variant

@@ -1,4 +1,4 @@
-"""Whether what was asked holds its tolerance: the rows that miss it, by how much, and what can be done.
+"""Whether the answer holds the scene's tolerance, by how much it misses it, and which mesh comes next while it does.
 
 A tolerance is a share of the value's size. Where a quantity passes zero on the way no mesh could hold a share of it, so
 the size counted is at least a hundredth (`SMALL`) of the largest of that quantity over the requested loads.
@@ -7,13 +7,17 @@ the size counted is at least a hundredth (`SMALL`) of the largest of that quanti
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
 
 from studies.planning.bodies import models_of
-from studies.planning.levels import MOST_UNKNOWNS, Model
+from studies.planning.error_model import FINER_ROUNDS, ROUNDS, cells_of, predicted_unknowns
+from studies.planning.levels import FINER_MERIDIANS, MERIDIANS, MOST_UNKNOWNS, BodyLevel, Model, body_level, fineness
+from studies.planning.plan import Plan
 from studies.results.rows import NOT_MET, REACHED, Row
+from studies.results.runs import Run
+from studies.scene.bellows import BellowsScene
 from studies.scene.bodies import BodyScene
 from studies.scene.load import Scene
 
@@ -131,3 +135,78 @@ def _remedy(scene: Scene, worst: Shortfall) -> str:
     enough = 1.005 * worst.reached_percent
     last = f"set ask.tolerance_percent to {enough:.3g} or more" if enough <= 100.0 else "ask for smaller loads"
     return f"Meshes are refined up to {MOST_UNKNOWNS[model]:,} unknowns; to do: {closer}{last}"
+
+
+# --- finer meshes -------------------------------------------------------------------------------------------
+
+
+def until_good_enough(
+    plan: Plan, solve: Callable[[Sequence[str]], list[Run]], good_enough: Callable[[Sequence[Run]], bool], model: Model
+) -> list[Run]:
+    """Runs of a plan's levels and, while they are not good enough, of those that are left to the results.
+
+    Parameters
+    ----------
+    model
+        That of the runs.
+    """
+    runs = solve(plan.certain)
+    for level in plan.perhaps:
+        if good_enough(runs):
+            return runs
+        runs += solve((level,))
+    for level in plan.finer:
+        if good_enough(runs) or not may_follow(runs, level, model):
+            break
+        runs += solve((level,))
+    return runs
+
+
+def may_follow(runs: Sequence[Run], level: str, model: Model) -> bool:
+    """True if a finer mesh is worth its cost: the last one reached its loads, and the next is not too large."""
+    if len(runs) < 2 or runs[-1].summary.status != "reached":
+        return False
+    return _unknowns(runs, level) <= MOST_UNKNOWNS[model]
+
+
+def _unknowns(runs: Sequence[Run], level: str) -> float:
+    """Unknowns of a finer mesh, as they grew from the last but one to the last."""
+    (coarse, fine), (few, many) = zip(*((fineness(r.summary.level), r.summary.dofs) for r in runs[-2:]), strict=True)
+    power = math.log(many / few) / math.log(fine / coarse)
+    return float(many * (fineness(level) / fine) ** power)
+
+
+def finer_body(
+    scene: BellowsScene, rows: Sequence[Row], axisymmetric: Sequence[Run], body: Run, missed: Sequence[Shortfall]
+) -> str | BodyLevel | None:
+    """What makes a body hold the tolerance, or come nearer: a meridian to solve, a finer body, or None.
+
+    The uncertainty is the meridian's part, which its axisymmetric run has too, and that of the cells round; the larger
+    is made smaller. A meridian's error costs less to know better, by a finer axisymmetric run, than to make smaller.
+    """
+    if not missed or body.summary.status != "reached":
+        return None
+    level, model = body_level(body.summary.level), cast(Model, body.summary.model)
+    worst = max(missed, key=lambda short: short.reached_percent).row
+    of = (worst.quantity, "axisymmetric", f"r{level.meridian}", worst.pressure_kpa)
+    flat = next((r.uncertainty for r in rows if (r.quantity, r.model, r.level, r.pressure_kpa) == of), math.nan)
+    if not math.isfinite(worst.uncertainty):
+        return None
+    if worst.uncertainty > 2.0 * flat:
+        kind = cells_of(scene)
+        rounds = [n for n in (*ROUNDS[kind], *FINER_ROUNDS[kind]) if model == "full3d" or n % 4 == 0]
+        around = next((n for n in rounds if n > level.around), None)
+        return None if around is None else _if_small(scene, body, model, BodyLevel(around, level.meridian))
+    known = [fineness(run.summary.level) for run in axisymmetric]
+    following = 2 * known[-1]
+    if known[-1] < 4 * level.meridian and following in (*MERIDIANS, *FINER_MERIDIANS):
+        if may_follow(axisymmetric, f"r{following}", "axisymmetric"):
+            return f"r{following}"
+    finer = BodyLevel(level.around, 2 * level.meridian)
+    return _if_small(scene, body, model, finer) if finer.meridian in known else None
+
+
+def _if_small(scene: BellowsScene, body: Run, model: Model, wanted: BodyLevel) -> BodyLevel | None:
+    """A finer body if it has no more than the most unknowns, as the error model says they grow."""
+    growth = predicted_unknowns(scene, model, wanted.name) / predicted_unknowns(scene, model, body.summary.level)
+    return wanted if growth * body.summary.dofs <= MOST_UNKNOWNS[model] else None
