@@ -57,6 +57,8 @@ LONGEST_ROW = 40
 CAP_MPA_PER_MM = 1e6
 # Stiffness of the layer between a twisted cylinder and its plate, MPa/mm: it slips by 1e-7 of its own twist.
 TWIST_MPA_PER_MM = 1e5
+# Both are for silicones: layers on a body of a larger initial shear modulus, MPa, are as much stiffer.
+SILICONE_MPA = 0.1
 
 
 @dataclass(frozen=True)
@@ -114,20 +116,28 @@ def problem_of(scene: BodyScene, body: Body, comm: MPI.Comm) -> Problem:
     domain = create_domain(
         comm, dataclasses.replace(mesh, regions=np.full(len(mesh.cells), SOFT)) if comm.rank == 0 else None
     )
-    cap = _plate(body) if body.capped or body.twisted else None
     law, element = law_of(scene.material), element_of(scene.mesh)
+    stiffer = max(1.0, law.initial_shear_modulus_mpa / SILICONE_MPA)
+    cap = _plate(body, stiffer) if body.capped or body.twisted else None
     return Problem(domain, law, inverse_kappa(scene.material), body.surfaces, None, cap, element, frame=body.frame)
 
 
-def _plate(body: Body) -> RigidBodies:
-    """The plate that twists a cylinder, or a tube's cap: level, and the end slides on it so that the tube stays one."""
+def _plate(body: Body, stiffer: float) -> RigidBodies:
+    """The plate that twists a cylinder, or a tube's cap: level, and the end slides on it so that the tube stays one.
+
+    Parameters
+    ----------
+    stiffer
+        By what the stiffness of its layer is multiplied.
+    """
     points = body.mesh.points
     grade, centre = np.ones(len(points)), np.array([float(points[:, -1].max())])
     if body.twisted:
-        return RigidBodies(TWIST_MPA_PER_MM, TWIST_MPA_PER_MM, grade, centre, 1.0, plate=0, plate_held=True)
+        twist = stiffer * TWIST_MPA_PER_MM
+        return RigidBodies(twist, twist, grade, centre, 1.0, plate=0, plate_held=True)
     inner = float(np.hypot(points[:, 0], points[:, 1] * (body.mesh.dimension == 3)).min())
     area = math.pi * inner**2
-    return RigidBodies(CAP_MPA_PER_MM, 0.0, grade, centre, 1.0, axial_only=True, plate=0, plate_area_mm2=area)
+    return RigidBodies(stiffer * CAP_MPA_PER_MM, 0.0, grade, centre, 1.0, axial_only=True, plate=0, plate_area_mm2=area)
 
 
 def measures(scene: BodyScene, mesh: SolidMesh) -> dict[str, Callable[[State], float]]:

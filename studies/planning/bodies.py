@@ -105,7 +105,7 @@ def _skipped(scene: BodyScene, model: Model) -> list[str]:
     if g.kind in ("cook", "ring"):
         skipped.append(SLICE)
     if isinstance(g, TubeGeometry) and g.ends == "capped":
-        skipped.append("the cap: a level plate on a stiff layer that moves the bore by 1e-5 of it, which ± leaves out")
+        skipped.append("the cap: a level plate on a stiff layer that moves the bore by 1e-5 of it at most, as ± says")
     if g.kind == "mesh":
         skipped.append("a second mesh: the discretisation's uncertainty is not known from one")
     return skipped
