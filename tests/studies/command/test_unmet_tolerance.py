@@ -50,7 +50,7 @@ def scene(tmp_path: Path):
 def no_finer(monkeypatch: pytest.MonkeyPatch) -> None:
     """No mesh beyond those of the plan."""
     for model in MOST_UNKNOWNS:
-        monkeypatch.setitem(MOST_UNKNOWNS, model, 0)  # type: ignore[attr-defined]
+        monkeypatch.setitem(MOST_UNKNOWNS, model, 0)
 
 
 def finest(rows: list[Row], quantity: str) -> list[Row]:
@@ -88,7 +88,7 @@ def test_finer_meshes_are_solved_until_the_tolerance_is_met(scene, tmp_path) -> 
 
 
 def test_what_was_reached_and_what_to_do_is_said_and_the_remedy_works(scene, tmp_path, monkeypatch) -> None:
-    monkeypatch.setitem(MOST_UNKNOWNS, "axisymmetric", 1500)  # type: ignore[attr-defined]
+    monkeypatch.setitem(MOST_UNKNOWNS, "axisymmetric", 1500)
     out = tmp_path / "out"
     sentence = said(run("solve", scene("exact/tube", 1e-9), "--out", out))
     assert sentence.startswith("tube: tolerance 1e-09 % not met: bore_mm at 30 kPa: ± ")
@@ -215,11 +215,11 @@ def test_a_body_is_refined_where_its_error_is_and_only_as_far_as_allowed(scene, 
     # 8 cells round leave more than the meridian does here; 12 of them would be too many unknowns
     out = tmp_path / "out"
     path = scene("peers/bellows", 0.06, *SHORT)
-    monkeypatch.setitem(MOST_UNKNOWNS, "sector", 0)  # type: ignore[attr-defined]
+    monkeypatch.setitem(MOST_UNKNOWNS, "sector", 0)
     first = run("solve", path, "--out", out, "--model", "sector")
     bodies_before = sorted(p.name for p in out.glob("sector-*"))
     assert first.exit_code == 3 and len(bodies_before) == 1
-    monkeypatch.setitem(MOST_UNKNOWNS, "sector", 100_000)  # type: ignore[attr-defined]
+    monkeypatch.setitem(MOST_UNKNOWNS, "sector", 100_000)
     second = run("solve", path, "--out", out, "--model", "sector")
     assert second.exit_code == 0, second.output
     assert len(list(out.glob("sector-*"))) > 1

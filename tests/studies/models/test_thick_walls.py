@@ -53,7 +53,7 @@ def test_a_void_in_a_sphere_a_thousand_times_its_size(tmp_path) -> None:
 
 def test_the_same_void_in_equal_cells_is_told_to_be_uncertain(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(bodies, "GRADED_BEYOND", math.inf)
-    monkeypatch.setitem(MOST_UNKNOWNS, "axisymmetric", 20_000)  # type: ignore[attr-defined]
+    monkeypatch.setitem(MOST_UNKNOWNS, "axisymmetric", 20_000)
     code, rows = solved(tmp_path, "sphere", 1000.0, "neo-hooke", "[1000.0]")
     (row,) = finest(rows)
     assert code == 3 and row.status.startswith(NOT_MET)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -23,7 +23,7 @@ BELLOWS = load_bellows(SCENES / "peers" / "bellows.toml")
 SPHERE = load_scene(SCENES / "exact" / "sphere-limit.toml")
 
 
-def rows_of(quantity: str, model: str, values: dict[str, Sequence[tuple[float, float]]]) -> list[Row]:
+def rows_of(quantity: str, model: str, values: Mapping[str, Sequence[tuple[float, float]]]) -> list[Row]:
     """Rows by level: value and uncertainty at 1, 2, … kPa."""
     return [
         row("a", quantity, "mm", float(k), model, value, level, spread)
