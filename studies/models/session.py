@@ -17,7 +17,7 @@ from studies.models.axisymmetric import run_axisymmetric
 from studies.models.closed_form import run_closed_form
 from studies.models.full3d import SolidModel, run_full3d
 from studies.models.modes import COUNTED_LEVELS, WARNING
-from studies.models.tolerance import Shortfall, asked_of, finer_body, marked, shortfalls, until_good_enough
+from studies.models.tolerance import Shortfall, asked_of, finer_body, first_body, marked, shortfalls, until_good_enough
 from studies.models.tolerance import sentence as shortfall_sentence
 from studies.planning.bodies import models_of
 from studies.planning.error_model import MERIDIAN_SHARE
@@ -302,7 +302,10 @@ def _runs_in_3d(
     meridian = good_meridian(scene, axisymmetric, plan.body_levels) or max(set(known) & set(plan.body_levels))
     wanted: list[tuple[BellowsScene, SolidModel, BodyLevel]] = []
     wanted += [(beside, "sector", BodyLevel(n, plan.body_levels[0])) for n in plan.sector_levels]
-    wanted += [(scene, plan.model, BodyLevel(n, meridian)) for n in plan.around_levels]
+    bodies = [BodyLevel(n, meridian) for n in plan.around_levels]
+    if not plan.fixed:
+        bodies = [first_body(scene, plan.model, body, axisymmetric) for body in bodies]
+    wanted += [(scene, plan.model, body) for body in bodies]
     return [_run_in_3d(of, model, level, plan, folder, comm, progress) for of, model, level in wanted]
 
 

@@ -12,8 +12,17 @@ from dataclasses import dataclass, replace
 from typing import cast
 
 from studies.planning.bodies import models_of
-from studies.planning.error_model import FINER_ROUNDS, ROUNDS, cells_of, predicted_unknowns
-from studies.planning.levels import FINER_MERIDIANS, MERIDIANS, MOST_UNKNOWNS, BodyLevel, Model, body_level, fineness
+from studies.planning.error_model import FINER_ROUNDS, ROUNDS, cells_of, predicted_error_percent, predicted_unknowns
+from studies.planning.levels import (
+    BODY_MERIDIANS,
+    FINER_MERIDIANS,
+    MERIDIANS,
+    MOST_UNKNOWNS,
+    BodyLevel,
+    Model,
+    body_level,
+    fineness,
+)
 from studies.planning.plan import Plan
 from studies.results.rows import NOT_MET, REACHED, Row
 from studies.results.runs import Run
@@ -176,13 +185,28 @@ def _unknowns(runs: Sequence[Run], level: str) -> float:
     return float(many * (fineness(level) / fine) ** power)
 
 
+def first_body(scene: BellowsScene, model: Model, wanted: BodyLevel, axisymmetric: Sequence[Run]) -> BodyLevel:
+    """The wanted body; if that is too large, of those with fewer cells the one of the least expected error."""
+    if _small_enough(scene, model, wanted, axisymmetric):
+        return wanted
+    fewer = [
+        BodyLevel(n, meridian)
+        for meridian in BODY_MERIDIANS
+        for n in _rounds(scene, model)
+        if n <= wanted.around and meridian <= wanted.meridian
+    ]
+    small = [body for body in fewer if _small_enough(scene, model, body, axisymmetric)]
+    return min(small, key=lambda body: predicted_error_percent(scene, model, body.name), default=fewer[0])
+
+
 def finer_body(
     scene: BellowsScene, rows: Sequence[Row], axisymmetric: Sequence[Run], body: Run, missed: Sequence[Shortfall]
 ) -> str | BodyLevel | None:
     """What makes a body hold the tolerance, or come nearer: a meridian to solve, a finer body, or None.
 
     The uncertainty is the meridian's part, which its axisymmetric run has too, and that of the cells round; the larger
-    is made smaller. A meridian's error costs less to know better, by a finer axisymmetric run, than to make smaller.
+    is made smaller, if it can. A meridian's error costs less to know better, by a finer axisymmetric run, than to make
+    smaller.
     """
     if not missed or body.summary.status != "reached":
         return None
@@ -192,21 +216,25 @@ def finer_body(
     flat = next((r.uncertainty for r in rows if (r.quantity, r.model, r.level, r.pressure_kpa) == of), math.nan)
     if not math.isfinite(worst.uncertainty):
         return None
-    if worst.uncertainty > 2.0 * flat:
-        kind = cells_of(scene)
-        rounds = [n for n in (*ROUNDS[kind], *FINER_ROUNDS[kind]) if model == "full3d" or n % 4 == 0]
-        around = next((n for n in rounds if n > level.around), None)
-        return None if around is None else _if_small(scene, body, model, BodyLevel(around, level.meridian))
     known = [fineness(run.summary.level) for run in axisymmetric]
     following = 2 * known[-1]
+    along: list[str | BodyLevel] = []
     if known[-1] < 4 * level.meridian and following in (*MERIDIANS, *FINER_MERIDIANS):
-        if may_follow(axisymmetric, f"r{following}", "axisymmetric"):
-            return f"r{following}"
-    finer = BodyLevel(level.around, 2 * level.meridian)
-    return _if_small(scene, body, model, finer) if finer.meridian in known else None
+        along += [f"r{following}"] if may_follow(axisymmetric, f"r{following}", "axisymmetric") else []
+    along += [BodyLevel(level.around, 2 * level.meridian)] if 2 * level.meridian in known else []
+    more = [BodyLevel(n, level.meridian) for n in _rounds(scene, model) if n > level.around][:1]
+    ways = [*more, *along] if worst.uncertainty > 2.0 * flat else [*along, *more]
+    return next((way for way in ways if isinstance(way, str) or _small_enough(scene, model, way, axisymmetric)), None)
 
 
-def _if_small(scene: BellowsScene, body: Run, model: Model, wanted: BodyLevel) -> BodyLevel | None:
-    """A finer body if it has no more than the most unknowns, as the error model says they grow."""
-    growth = predicted_unknowns(scene, model, wanted.name) / predicted_unknowns(scene, model, body.summary.level)
-    return wanted if growth * body.summary.dofs <= MOST_UNKNOWNS[model] else None
+def _rounds(scene: BellowsScene, model: Model) -> list[int]:
+    """Numbers of cells round that a body may have, fewest first; a quarter takes a quarter of them."""
+    kind = cells_of(scene)
+    return [n for n in (*ROUNDS[kind], *FINER_ROUNDS[kind]) if model == "full3d" or n % 4 == 0]
+
+
+def _small_enough(scene: BellowsScene, model: Model, body: BodyLevel, axisymmetric: Sequence[Run]) -> bool:
+    """True if a body has no more than the most unknowns, as predicted and as its meridian has more or fewer of them."""
+    run = axisymmetric[0].summary
+    share = run.dofs / predicted_unknowns(scene, "axisymmetric", run.level)
+    return share * predicted_unknowns(scene, model, body.name) <= MOST_UNKNOWNS[model]
