@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from studies.results.exact_answers import exact_crossing_kpa, known_value
 from studies.results.rows import REACHED, Row, row
@@ -44,11 +45,9 @@ def _rows_at(scene: BodyScene, runs: Sequence[Run], load: float) -> list[Row]:
         known, unit = known_value(scene, quantity, load), UNITS.get(quantity, "mm")
         found = [run.measured_at(load, quantity) for run in runs]
         spread = _convergence(scene, runs, found)
-        capped = isinstance(scene.geometry, TubeGeometry) and scene.geometry.ends == "capped"
         for run, value in zip(runs, found, strict=True):
             at = (scene.name, quantity, unit, load, run.summary.model, value, run.summary.level)
-            total = spread.uncertainty(value) + (CAP_SHARE * abs(value) if capped else 0.0)
-            rows.append(row(*at, total, *known, value_status(run, value, ".6g")))
+            rows.append(row(*at, spread.uncertainty(value), *known, value_status(run, value, ".6g")))
     return rows + state_rows(scene.name, runs[-1], load, CHECKS)
 
 
@@ -83,5 +82,10 @@ def _no_crossing(run: Run, quantity: str) -> str:
 def _convergence(scene: BodyScene, runs: Sequence[Run], values: Sequence[float]) -> Convergence:
     """Convergence over the finest levels that have a value."""
     g = scene.geometry
-    corners = g.kind in ("cook", "ventricle") or (isinstance(g, TubeGeometry) and g.ends == "bonded")
-    return run_convergence(runs, values, WITH_CORNERS if corners else SMOOTH)
+    ends = g.ends if isinstance(g, TubeGeometry) else ""
+    found = run_convergence(
+        runs, values, WITH_CORNERS if g.kind in ("cook", "ventricle") or ends == "bonded" else SMOOTH
+    )
+    if ends != "capped":
+        return found
+    return replace(found, doubt=found.doubt + CAP_SHARE * max(map(abs, filter(math.isfinite, values)), default=0.0))
