@@ -14,6 +14,7 @@ from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, StepFailed
 from solvers.paths.diagnosis import failed_steps, limit_pressure
 from solvers.paths.path import follow_path
+from solvers.paths.prediction import peak
 from solvers.paths.states import Crossing, PathPoint, PathSettings
 from solvers.state import State
 
@@ -92,3 +93,17 @@ def test_other_failures_keep_their_kind(cause: Cause) -> None:
     found, reason = failed_steps(StepFailed("what happened", cause), history, None, "volume", 1.0)
     assert found is cause
     assert "what happened; last state at 2 kPa; " in reason
+
+
+def test_peak_between_two_states_is_that_of_the_cubic() -> None:
+    # P = 5 V - 2 V^2 - V^3: dP/dV vanishes at V = (sqrt(19) - 2) / 3
+    def at(volume: float) -> PathPoint:
+        pressure, slope = volume * (5.0 - 2.0 * volume - volume**2), 5.0 - 4.0 * volume - 3.0 * volume**2
+        return PathPoint(dataclasses.replace(NOTHING, load_mpa=pressure), volume, 1.0 / slope, 0)
+
+    top = (math.sqrt(19.0) - 2.0) / 3.0
+    assert peak(at(0.5), at(2.0)) == pytest.approx(((top - 0.5) / 1.5, at(top).pressure_mpa), rel=1e-12)  # exact
+    assert peak(at(2.0), at(0.5)) == pytest.approx(((2.0 - top) / 1.5, at(top).pressure_mpa), rel=1e-12)
+    assert peak(at(0.1), at(0.5)) is None and peak(at(1.0), at(2.0)) is None
+    unknown = dataclasses.replace(at(0.5), compliance_mm3_per_mpa=math.nan)
+    assert peak(unknown, at(2.0)) is None

@@ -14,6 +14,7 @@ from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from meshes.solid import SolidMesh
 from solvers.equilibrium.controls import HeldVolume
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
+from solvers.errors import Cause
 from solvers.linear.factor import Factor
 from solvers.paths.path import follow_path
 from solvers.paths.states import PathSettings
@@ -74,6 +75,36 @@ def test_pressure_beyond_the_limit_point_is_not_reached_and_said_so(half_sphere)
     # the steps of the volume went through the limit point, and no state is above it
     assert max(p.state.load_mpa for p in path.states) < limit * 1.0001  # discretisation, as above
     assert path.states[-1].newton.excess_negatives == 1
+
+
+# By default a step of the volume goes over the peak; in the last the first one does.
+STEPS = {
+    "volume": PathSettings(largest_volume=6.0),
+    "arc": PathSettings(largest_volume=6.0, control="arc"),
+    "pressure first": PathSettings(largest_volume=6.0, start_control="pressure"),
+    "one step": PathSettings(largest_volume=6.0, first_step=4.0, largest_step=4.0),
+}
+
+
+@pytest.mark.parametrize("settings", STEPS.values(), ids=STEPS.keys())
+def test_pressures_just_below_the_limit_point_are_reached_where_they_are_stable(half_sphere, settings) -> None:
+    case = half_sphere(NeoHooke(MU))
+    find = PathSettings(largest_volume=6.0, crossing_tolerance=1e-12)
+    limit = follow_path(case.problem, case.factor, [1.0], find).crossing
+    assert limit is not None and limit.kind is Cause.LIMIT_POINT
+    assert limit.pressure_mpa == pytest.approx(
+        -minimize_scalar(lambda l: -exact_pressure(l), bounds=(1.1, 3.0), method="bounded").fun, rel=1e-4
+    )
+    shares = (0.97, 0.999, 1.0 - 1e-6)
+    for asked in [[share] for share in shares] + [list(shares)]:
+        path = follow_path(case.problem, case.factor, [share * limit.pressure_mpa for share in asked], settings)
+        assert path.reached, path.reason
+        found = [s for s in path.states if s.asked]
+        assert [s.state.load_mpa / limit.pressure_mpa for s in found] == pytest.approx(asked, rel=1e-12)
+        assert [s.newton.excess_negatives for s in found] == [0] * len(asked)
+        assert all(s.volume_mm3 < limit.volume_mm3 for s in found)
+    above = follow_path(case.problem, case.factor, [(1.0 + 1e-6) * limit.pressure_mpa], settings)
+    assert above.cause is Cause.LIMIT_POINT and not any(s.asked for s in above.states)
 
 
 @pytest.mark.parametrize("law", [DRAGON_SKIN_10, dragon_skin_30("2mu/alpha^2")], ids=["yeoh", "ogden"])
