@@ -245,7 +245,7 @@ def _advance(
         fraction *= 0.5
         go(fraction)
         here = _residual(problem, control)
-        if here.error < best.error:
+        if here.error < best.error or np.isnan(best.error):
             best, best_fraction = here, fraction
     if best_fraction != fraction:
         go(best_fraction)
