@@ -29,7 +29,7 @@ def limit_pressure(history: Sequence[PathPoint]) -> float:
         return math.nan
     a, b = history[-2:]
     fall = a.slope_mpa_per_mm3**2 - b.slope_mpa_per_mm3**2
-    if not (fall > 0.0 and b.pressure_mpa > a.pressure_mpa):
+    if not (0.0 < fall < math.inf and b.pressure_mpa > a.pressure_mpa):
         return math.nan
     return b.pressure_mpa + b.slope_mpa_per_mm3**2 * (b.pressure_mpa - a.pressure_mpa) / fall
 

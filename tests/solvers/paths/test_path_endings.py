@@ -87,6 +87,14 @@ def test_steps_that_fail_beyond_a_bifurcation_are_put_down_to_it() -> None:
     assert "last state at 12 kPa" in reason and "imperfection" in reason
 
 
+def test_a_volume_that_does_not_respond_is_no_division_by_zero() -> None:
+    still = PathPoint(dataclasses.replace(NOTHING, load_mpa=0.001), 1.0, 0.0, 0)
+    assert still.slope_mpa_per_mm3 == math.inf
+    for history in ([still], [still, point(0.002, 1.0)], [point(0.0005, 1.0), still]):
+        found, reason = failed_steps(StepFailed("what happened"), history, None, "pressure", 1.0)
+        assert found is Cause.STEP_SIZE and "limit point" not in reason
+
+
 @pytest.mark.parametrize("cause", [Cause.INVERTED_CELL, Cause.MATERIAL_RANGE, Cause.LINEAR_SOLVER, Cause.STEP_SIZE])
 def test_other_failures_keep_their_kind(cause: Cause) -> None:
     history = [point(0.001, 1.0), point(0.002, 1.0)]
