@@ -135,7 +135,9 @@ def test_volume_and_load_answer_each_other_on_a_column_that_leans(strip, sides, 
     mesh = revolve_hexahedra(strip(INNER_MM, OUTER_MM, length, 1, 6, 0.0, True), 8)
     top = mesh.facet_tags == sides.top
     points = mesh.points.copy()
-    points[:, 0] += 2.0 * np.sin(np.pi * points[:, 2] / length) ** 2  # bulges to one side, so that its plate tilts and drifts
+    points[:, 0] += (
+        2.0 * np.sin(np.pi * points[:, 2] / length) ** 2
+    )  # bulges to one side, so that its plate tilts and drifts
     mesh = dataclasses.replace(mesh, points=points, facet_bodies=np.where(top, 0, -1))
     centre, area = np.array([length]), np.pi * INNER_MM**2
     plate = RigidBodies(300.0, 300.0, np.ones(len(points)), centre, ARM_MM, plate=0, plate_area_mm2=area)
