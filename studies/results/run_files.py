@@ -162,7 +162,7 @@ def load_state(folder: Path, content_hash: str, pressure_mpa: float) -> tuple[St
                 return None
             state = State(data["displacement_mm"], data["pressure_mpa"], data["bodies_mm"], float(data["load_mpa"]))
             return state, PathRow(**json.loads(str(data["row"])))
-    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile):
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile):
         return None
 
 
