@@ -128,7 +128,7 @@ def _guesses(
     meridian_hash = run_hash(scene, "axisymmetric", f"r{level.meridian}")
     guesses: list[State] = []
     for pressure in scene.pressures_mpa:
-        saved = first(comm, lambda p=pressure: load_state(meridian_run, meridian_hash, p))
+        saved = comm.bcast(load_state(meridian_run, meridian_hash, pressure) if comm.rank == 0 else None)
         if saved is None:
             break
         guesses.append(revolve_state(saved[0], meridian, body))
