@@ -20,7 +20,8 @@ from typing import Any
 from mpi4py import MPI
 from mpi4py.futures import MPICommExecutor
 
-from studies.engine import FAULTS, first
+from studies.engine import FAULTS
+from studies.first_rank import first
 from studies.models.session import run_plan
 from studies.planning.planner import make_plan
 from studies.progress import Progress
