@@ -31,7 +31,8 @@ import sys, gmsh
 gmsh.initialize()
 gmsh.option.setNumber("General.Terminal", 0)
 gmsh.open(sys.argv[1])
-gmsh.model.mesh.generate(int(sys.argv[3]))
+if int(sys.argv[3]):
+    gmsh.model.mesh.generate(int(sys.argv[3]))
 gmsh.write(sys.argv[2])
 """
 # A quarter of a tube 5/7 mm, 3 mm long: volume 3, its named surfaces where {parts} says which volumes there are.
@@ -62,7 +63,7 @@ Transfinite Surface{:}; Recombine Surface{:}; Transfinite Volume{:};
 
 @pytest.fixture
 def by_gmsh(tmp_path: Path) -> Callable[..., Path]:
-    """Path of a mesh that gmsh makes of a script."""
+    """Path of a mesh that gmsh makes of a script; of dimension 0 it meshes nothing."""
 
     def make(script: str, dimension: int = 3, name: str = "part.msh") -> Path:
         geo, out = tmp_path / "part.geo", tmp_path / name
