@@ -22,6 +22,12 @@ def jacobians(points: FloatArray, cells: IntArray, at: FloatArray | None = None)
     return out
 
 
+def jacobians_with_nodes(points: FloatArray, cells: IntArray) -> FloatArray:
+    """Jacobians at quadrature points and at nodes, where they are least, shape (cells, q)."""
+    cell = cell_shape(points.shape[1], cells.shape[1])
+    return np.hstack([jacobians(points, cells), jacobians(points, cells, cell.nodes)])
+
+
 def region_volumes_mm3(mesh: SolidMesh) -> dict[str, float]:
     """Volume of each named region in mm^3; a meridian counts as its body of revolution."""
     at, weights = mesh.cell.rule
