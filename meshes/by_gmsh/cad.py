@@ -139,7 +139,7 @@ def mesh_solid(
 
 
 def _points_inwards(corners: FloatArray, every: FloatArray) -> bool:
-    """True if a surface's normal points into the solid: a ray from just in front of it leaves it an odd number of times."""
+    """True if a surface's normal points into the solid: a ray from just before it leaves it an odd number of times."""
     doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     largest = int(np.linalg.norm(doubled, axis=1).argmax())
     normal = doubled[largest] / np.linalg.norm(doubled[largest])

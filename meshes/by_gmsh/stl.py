@@ -1,7 +1,7 @@
-"""A solid inside a closed surface of triangles, in the child process that has gmsh: its geometry, and curved cells on it.
+"""A solid inside a closed surface of triangles, in the child process that has gmsh: its geometry, curved cells on it.
 
-Of such surfaces gmsh's own second-order nodes are unreliable (4.8 puts some at 1e21), so cells are made with straight edges
-and their nodes midway then moved onto the triangles that were read.
+Of such surfaces gmsh's own second-order nodes are unreliable (4.8 puts some at 1e21), so cells are made with straight
+edges and their nodes midway then moved onto the triangles that were read.
 """
 
 from __future__ import annotations
@@ -84,7 +84,9 @@ def curve_cells(gmsh: Any, pieces: dict[tuple[int, int], FloatArray], size: floa
     way = np.sign(jacobians_with_nodes(points, cells)[:, :1])
     while True:
         signed = way * jacobians_with_nodes(moved, cells)
-        folded = (signed.min(axis=1) < LEAST_RATIO * signed.max(axis=1)) & (moved[cells] != points[cells]).any(axis=(1, 2))
+        folded = (signed.min(axis=1) < LEAST_RATIO * signed.max(axis=1)) & (moved[cells] != points[cells]).any(
+            axis=(1, 2)
+        )
         if not folded.any():
             break
         moved[cells[folded]] = points[cells[folded]]

@@ -29,7 +29,9 @@ class Neighbours:
     @cached_property
     def _facets(self) -> tuple[IntArray, IntArray]:
         """Corners of all cells' facets, outwards in order, and one row of ascending corners each."""
-        every = np.vstack([self.cells[:, list(facet)] for facet in outward_facets(self.cell.dimension, self.cells.shape[1])])
+        every = np.vstack(
+            [self.cells[:, list(facet)] for facet in outward_facets(self.cell.dimension, self.cells.shape[1])]
+        )
         return every, np.sort(every, axis=1)
 
     @cached_property

@@ -89,7 +89,9 @@ def named_facets(contents: Contents, used: IntArray, dimension: int) -> tuple[In
 def _stacked(path: Path, facets: list[IntArray]) -> IntArray:
     """Facets of all names in one array; refused if triangles and quadrilaterals are among them."""
     if len({part.shape[1] for part in facets}) > 1:
-        raise MeshError(f"{path}: named surfaces hold triangles and quadrilaterals, of which cells of one kind have one")
+        raise MeshError(
+            f"{path}: named surfaces hold triangles and quadrilaterals, of which cells of one kind have one"
+        )
     return np.vstack(facets)
 
 
@@ -108,7 +110,11 @@ def check_facets(path: Path, facets: IntArray, tags: IntArray, found: Neighbours
     if (count > 1).any():
         twice = unique[np.argmax(count)]
         named = sorted(_name(n) for n in np.unique(tags[(facets == twice).all(axis=1)]))
-        how = f"is named {count.max()} times ({named[0]})" if len(named) == 1 else f"has {len(named)} names ({', '.join(named)})"
+        how = (
+            f"is named {count.max()} times ({named[0]})"
+            if len(named) == 1
+            else f"has {len(named)} names ({', '.join(named)})"
+        )
         raise MeshError(f"{path}: a facet {how}, and {int((count > 1).sum())} facets in all: give each one name, once")
     boundary = {tuple(f) for f in np.sort(found.corners(found.boundary), axis=1).tolist()}
     inside = [int(tag) for f, tag in zip(facets.tolist(), tags, strict=True) if tuple(f) not in boundary]
@@ -158,8 +164,8 @@ def on_the_axis(path: Path, points: FloatArray) -> FloatArray:
     flat = points[:, :2].copy()
     if flat[:, 0].min() < -SNAP * size:
         raise MeshError(
-            f"{path}: a meridian has r = x >= 0; this one reaches x = {flat[:, 0].min():g}: draw one half only, and move "
-            f"its axis to x = 0 (nodes within {SNAP * size:.3g} of it are put there)"
+            f"{path}: a meridian has r = x >= 0; this one reaches x = {flat[:, 0].min():g}: draw one half only, and "
+            f"move its axis to x = 0 (nodes within {SNAP * size:.3g} of it are put there)"
         )
     flat[np.abs(flat[:, 0]) <= SNAP * size, 0] = 0.0
     return np.asarray(flat)
@@ -187,8 +193,8 @@ def with_axis(
     wrong = on & (names != "") & ~np.isin(names, ON_AXIS)
     if wrong.any():
         raise MeshError(
-            f"{path}: {int(wrong.sum())} edges named {names[wrong][0]!r} lie on r = 0, which is the axis, inside the body: "
-            "leave them without a name or call them 'axis'"
+            f"{path}: {int(wrong.sum())} edges named {names[wrong][0]!r} lie on r = 0, which is the axis, inside the "
+            "body: leave them without a name or call them 'axis'"
         )
     _check_beside_axis(path, points, edges[~on], names[~on], size)
     alone = np.setdiff1d(edges[(radius[edges] == 0.0).any(axis=1)][:, :], edges[on])
@@ -218,6 +224,6 @@ def _check_beside_axis(path: Path, points: FloatArray, edges: IntArray, names: n
         worst = int(np.argmax(np.where(misplaced, radius, -1.0)))
         called_what = f"named {names[worst]!r}" if names[worst] else "without a name"
         raise MeshError(
-            f"{path}: an edge {called_what} reaches r = {radius[worst]:.4g} mm, beside the axis r = 0: move the axis to "
-            f"x = 0 (nodes within {SNAP * size:.3g} mm are put there), or name a bore of its own 'outer'"
+            f"{path}: an edge {called_what} reaches r = {radius[worst]:.4g} mm, beside the axis r = 0: move the axis "
+            f"to x = 0 (nodes within {SNAP * size:.3g} mm are put there), or name a bore of its own 'outer'"
         )

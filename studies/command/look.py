@@ -159,8 +159,8 @@ def _mesh_of_solid(
     wanted = [bool(given), size is not None, out is not None]
     if any(wanted) and not all(wanted):
         refuse(
-            f"{file}: a mesh of a solid takes --name (cavity=NUMBERS at least), --size, the largest edge of a cell in mm, "
-            "and --out, the .msh to write; with none of them its surfaces are listed"
+            f"{file}: a mesh of a solid takes --name (cavity=NUMBERS at least), --size, the largest edge of a cell in "
+            "mm, and --out, the .msh to write; with none of them its surfaces are listed"
         )
     solid = read_solid(file, scale, angle)
     if size is None or out is None:

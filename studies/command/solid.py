@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from meshes.by_gmsh.cad import Solid, mesh_solid, read_solid
+from meshes.by_gmsh.cad import Solid, mesh_solid
 from meshes.by_gmsh.user_mesh import SURFACES, read_user_mesh
 from meshes.errors import MeshError
 from meshes.quality import region_volumes_mm3
@@ -80,7 +80,13 @@ def parse_names(given: Sequence[str], solid: Solid) -> dict[str, tuple[int, ...]
 
 
 def write_mesh(
-    file: Path, solid: Solid, out: Path, size_mm: float, names: dict[str, tuple[int, ...]], scale: float, angle_deg: float
+    file: Path,
+    solid: Solid,
+    out: Path,
+    size_mm: float,
+    names: dict[str, tuple[int, ...]],
+    scale: float,
+    angle_deg: float,
 ) -> SolidMesh:
     """Mesh a solid into a file that a scene takes; nothing is written unless a scene would take it.
 
@@ -91,7 +97,9 @@ def write_mesh(
     """
     if out.suffix != ".msh":
         raise MeshError(f"--out {out}: a mesh of a solid is a gmsh file: give a name that ends in .msh")
-    longest = max(float(s.triangles.reshape(-1, 3).max()) - float(s.triangles.reshape(-1, 3).min()) for s in solid.surfaces)
+    longest = max(
+        float(s.triangles.reshape(-1, 3).max()) - float(s.triangles.reshape(-1, 3).min()) for s in solid.surfaces
+    )
     if not 0.0 < size_mm <= longest:
         raise MeshError(f"--size {size_mm:g}: must be above 0 and at most the size of the solid, {longest:.4g} mm")
     check_writable(out.parent)
@@ -102,7 +110,7 @@ def write_mesh(
         share = sum(region_volumes_mm3(mesh).values()) / solid.volume_mm3 - 1.0
         if abs(share) > VOLUME_SHARE:
             raise MeshError(
-                f"{file}: cells of {size_mm:g} mm leave {100.0 * share:+.2g} % of the solid's volume: take a smaller --size"
+                f"{file}: cells of {size_mm:g} mm miss its volume by {100.0 * share:+.2g} %: take a smaller --size"
             )
         out.parent.mkdir(parents=True, exist_ok=True)
         os.replace(made, out)

@@ -114,8 +114,8 @@ def _skipped(scene: BodyScene, model: Model) -> list[str]:
         if len(_levels(scene, model)) == 1:
             mesh = _mesh(g)
             skipped.append(
-                f"a refined mesh, without which ± is not known: of {len(mesh.points)} nodes it would make more than the "
-                f"{MOST_NODES[mesh.dimension]:,} that are solved for it"
+                f"a refined mesh, without which ± is not known: of {len(mesh.points)} nodes it would make more than "
+                f"the {MOST_NODES[mesh.dimension]:,} that are solved for it"
             )
     return skipped
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from analytical.exact import sphere, tube as exact_tube
+from analytical.exact import sphere
+from analytical.exact import tube as exact_tube
 from meshes.by_gmsh.user_mesh import read_user_mesh
 from meshes.solid import FACETS
 from studies.results.rows import read_rows
@@ -16,7 +18,8 @@ from studies.scene.load import load_scene
 from studies.scene.materials import law_of
 
 # Half a hollow sphere 5/7 mm: the meridian in gmsh's plane z = 0, its axis the curve at x = 0.
-SPHERE = """Point(1) = {{0, 0, 0}}; Point(2) = {{5, 0, 0}}; Point(3) = {{7, 0, 0}}; Point(4) = {{{off}, 7, 0}}; Point(5) = {{{off}, 5, 0}};
+SPHERE = """Point(1) = {{0, 0, 0}}; Point(2) = {{5, 0, 0}}; Point(3) = {{7, 0, 0}};
+Point(4) = {{{off}, 7, 0}}; Point(5) = {{{off}, 5, 0}};
 Line(1) = {{2, 3}}; Circle(2) = {{3, 1, 4}}; Line(3) = {{4, 5}}; Circle(4) = {{5, 1, 2}};
 Curve Loop(1) = {{1, 2, 3, 4}}; Plane Surface(1) = {{1}};
 Mesh.CharacteristicLengthMax = 0.8; Mesh.ElementOrder = 2;
@@ -100,7 +103,9 @@ def test_quarter_of_a_tube(by_gmsh, tube, scene, run, tmp_path, hexahedra: bool)
 
 
 @pytest.mark.parametrize("kind", ["8-node hexahedra", "4-node tetrahedra"])
-def test_first_order_cells_with_flat_faces_are_solved_in_second_order(written, blocks, scene, run, tmp_path, kind: str) -> None:
+def test_first_order_cells_with_flat_faces_are_solved_in_second_order(
+    written, blocks, scene, run, tmp_path, kind: str
+) -> None:
     points, cells = blocks[0]((2, 1, 2))
     low = {"symmetry_z": 2, "symmetry_x": 0, "symmetry_y": 1}
     sides = [(0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
@@ -109,7 +114,9 @@ def test_first_order_cells_with_flat_faces_are_solved_in_second_order(written, b
     def on(axis: int, at: float) -> np.ndarray:
         return faces[(np.abs(points[faces][:, :, axis] - at) < 1e-9).all(axis=1)]
 
-    groups = {name: (2, 3, on(axis, 0.0)) for name, axis in low.items()} | {"cavity": (2, 3, on(0, 4.0))}
+    groups: dict[str, Any] = {name: (2, 3, on(axis, 0.0)) for name, axis in low.items()} | {
+        "cavity": (2, 3, on(0, 4.0))
+    }
     groups["wall"] = (3, 5, cells)
     if kind == "4-node tetrahedra":
         # all cut along the same way: the three tetrahedra on either side of the diagonal 0-6

@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -73,7 +74,9 @@ def test_surfaces_are_listed_and_drawn(run, tmp_path: Path) -> None:
     assert (tmp_path / "tube.png").stat().st_size > 20_000
 
 
-@pytest.mark.parametrize(("ending", "volume", "area"), [(".step", 1e-4, 1e-4), (".brep", 1e-4, 1e-4), (".stl", 5e-3, 5e-3)])
+@pytest.mark.parametrize(
+    ("ending", "volume", "area"), [(".step", 1e-4, 1e-4), (".brep", 1e-4, 1e-4), (".stl", 5e-3, 5e-3)]
+)
 def test_meshed_with_names_and_in_other_units(run, tmp_path: Path, ending: str, volume: float, area: float) -> None:
     # straight edges of 2 mm would lose 7e-3 of the cavity's area
     solid, out = made(tmp_path / f"tube{ending}"), tmp_path / "part.msh"
@@ -107,7 +110,9 @@ def test_solids_that_touch_are_joined_and_parts_apart_refused(run, tmp_path: Pat
     box = "occ.addBox(-1, -1, 20, 2, 2, 2)"
     result = meshed(made(tmp_path / "two.step", box), tmp_path / "two.msh")
     assert result.exit_code == 0, result.output
-    assert region_volumes_mm3(read_user_mesh(tmp_path / "two.msh"))["elastomer"] == pytest.approx(TUBE_MM3 + 8.0, rel=1e-4)
+    assert region_volumes_mm3(read_user_mesh(tmp_path / "two.msh"))["elastomer"] == pytest.approx(
+        TUBE_MM3 + 8.0, rel=1e-4
+    )
     result = meshed(made(tmp_path / "apart.step", box.replace("20, 2", "21, 2")), tmp_path / "apart.msh")
     assert result.exit_code == 2
     assert "that do not touch" in result.output
@@ -121,8 +126,14 @@ def test_solids_that_touch_are_joined_and_parts_apart_refused(run, tmp_path: Pat
         (["--size", 1.0, "--out", "part.msh"], "takes --name (cavity=NUMBERS at least), --size"),
         (["--name", "cavty=4", "--size", 1.0, "--out", "part.msh"], "'cavty' is unknown; allowed: cavity, clamped"),
         (["--name", "cavity=44", "--size", 1.0, "--out", "part.msh"], "no surface 44; there are 1, 2, 3, 4, 5"),
-        (["--name", "cavity=a", "--size", 1.0, "--out", "part.msh"], "give numbers of surfaces, as in --name cavity=1,2"),
-        (["--name", "cavity=4", "--name", "tip=4", "--size", 1.0, "--out", "part.msh"], "surface 4 is named more than once"),
+        (
+            ["--name", "cavity=a", "--size", 1.0, "--out", "part.msh"],
+            "give numbers of surfaces, as in --name cavity=1,2",
+        ),
+        (
+            ["--name", "cavity=4", "--name", "tip=4", "--size", 1.0, "--out", "part.msh"],
+            "surface 4 is named more than once",
+        ),
         (["--name", "clamped=3", "--size", 1.0, "--out", "part.msh"], "no surface is named 'cavity'"),
         (["--name", "cavity=4", "--size", 99.0, "--out", "part.msh"], "--size 99: must be above 0 and at most"),
         (["--name", "cavity=4", "--size", 1.0, "--out", "part.vtu"], "give a name that ends in .msh"),
@@ -151,7 +162,7 @@ TETRAHEDRON = [(0, 0, 0), (9, 0, 0), (0, 9, 0), (0, 0, 9)]
         ("part.msh", "this is no mesh", "is no gmsh mesh"),
     ],
 )
-def test_files_that_hold_no_solid(run, tmp_path: Path, name: str, content: object, said: str) -> None:
+def test_files_that_hold_no_solid(run, tmp_path: Path, name: str, content: Any, said: str) -> None:
     path = tmp_path / name
     if isinstance(content, str):
         path.write_text(content, encoding="ascii")
@@ -166,7 +177,9 @@ def test_files_that_hold_no_solid(run, tmp_path: Path, name: str, content: objec
 
 
 def test_surfaces_without_a_solid_are_refused(run, tmp_path: Path) -> None:
-    path = made(tmp_path / "sheet.step", "occ.synchronize(); occ.remove(occ.getEntities(3)); occ.addRectangle(0, 0, 0, 9, 9)")
+    path = made(
+        tmp_path / "sheet.step", "occ.synchronize(); occ.remove(occ.getEntities(3)); occ.addRectangle(0, 0, 0, 9, 9)"
+    )
     result = run("mesh", path)
     assert result.exit_code == 2
     assert "it holds no solid: export a solid body" in result.output
