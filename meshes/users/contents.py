@@ -32,6 +32,8 @@ _PLURALS = {
 # What other files begin with or end in, and what makes a mesh of them.
 _CAD_ENDINGS = (".step", ".stp", ".stl", ".iges", ".igs", ".brep")
 _CAD_BEGINNINGS = (b"ISO-10303", b"solid ", b"DBRep_DrawableShape", b"CASCADE Topology")
+# gmsh reads a megabyte in 0.1 s; a broken count may keep it busy for ever.
+START_S, S_PER_MB = 30.0, 10.0
 _SECTIONS = ("Nodes", "Elements")
 
 
@@ -137,7 +139,9 @@ def read_contents(path: Path) -> Contents:
     with tempfile.TemporaryDirectory() as folder:
         link, answer = Path(folder) / "mesh.msh", Path(folder) / "mesh.npz"
         link.symlink_to(path.resolve())
-        run_gmsh("meshes.users.contents", f"{path}: gmsh cannot read it", str(link), str(answer))
+        seconds = START_S + S_PER_MB * 1e-6 * len(content)
+        failed = f"{path}: gmsh cannot read it"
+        run_gmsh("meshes.users.contents", failed, str(link), str(answer), seconds=seconds)
         if not answer.exists():
             raise MeshError(f"{path}: gmsh cannot read it")
         with np.load(answer, allow_pickle=False) as data:

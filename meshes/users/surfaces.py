@@ -13,9 +13,9 @@ import numpy as np
 
 from meshes.cells import FloatArray, IntArray
 from meshes.errors import MeshError
-from meshes.solid import FACETS
+from meshes.solid import FACETS, SolidMesh
 from meshes.users.contents import Contents
-from meshes.users.neighbours import Neighbours
+from meshes.users.neighbours import Neighbours, rim
 
 # What a physical surface (curve) may be called; bottom and top are planes that keep their height.
 SURFACES = ("cavity", "clamped", "outer", "tip", "axis", "bottom", "top", "symmetry_x", "symmetry_y", "symmetry_z")
@@ -147,6 +147,39 @@ def check_planes(path: Path, points: FloatArray, facets: IntArray, tags: IntArra
                 )
         elif dimension == 3 and name == "axis":
             raise MeshError(f"{path}: 'axis' is a meridian's line r = 0; a body has none: delete the physical surface")
+
+
+def open_rim(mesh: SolidMesh) -> str:
+    """Where the rim of a body's cavity is not in a plane from which enclosed volumes are counted; empty if it is.
+
+    A cavity is closed by planes z = const, and by planes of symmetry only at x = 0 and y = 0: those elsewhere would add
+    a volume of their own (`solvers.energy.loads`).
+    """
+    if mesh.dimension == 2:
+        return ""
+    found = Neighbours(mesh.cells, mesh.cell)
+    corners = found.corners(found.boundary)
+    cavity = mesh.facets[mesh.facet_tags == FACETS["cavity"]]
+    base = len(mesh.points)
+    inside = np.isin(_three(np.sort(corners, axis=1), base), _three(cavity, base))
+    edges = rim(corners[inside])
+    size = float(np.ptp(mesh.points, axis=0).max())
+    at = mesh.points[edges]
+    closed = (np.abs(at[:, :, :2]) <= SNAP * size).all(axis=1).any(axis=1)
+    along = np.diff(at, axis=1)[:, 0]
+    loose = at[~closed & (np.abs(along[:, 2]) > TILT * np.linalg.norm(along, axis=1))]
+    if not len(loose):
+        return ""
+    where = ", ".join(f"{x:.4g}" for x in loose[0].mean(axis=0))
+    return (
+        f"the cavity ends near ({where}) mm, not at z = const, x = 0 or y = 0, where volumes are counted from: "
+        "move or turn the body so that it does, or ask for other quantities"
+    )
+
+
+def _three(facets: IntArray, base: int) -> IntArray:
+    """A number per facet of ascending corners: three of them tell one from another."""
+    return (facets[:, 0] * base + facets[:, 1]) * base + facets[:, 2]
 
 
 # --- the axis of a meridian -------------------------------------------------------------------------------------

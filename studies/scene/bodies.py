@@ -25,6 +25,7 @@ from pydantic import Field, model_validator
 from meshes.by_gmsh.user_mesh import read_user_mesh
 from meshes.errors import MeshError
 from meshes.solid import FACETS
+from meshes.users.surfaces import open_rim
 from studies.scene.body_geometry import (
     BlockGeometry,
     CookGeometry,
@@ -215,6 +216,8 @@ def body_faults(scene: BodyScene) -> list[str]:
             mesh = read_user_mesh(Path(g.file), g.scale)
             if "tip_mm" in scene.quantities and not has_surface(mesh.facet_tags, "tip"):
                 faults.append("ask.quantities = 'tip_mm': no surface of the mesh is named 'tip'")
+            if "volume_mm3" in scene.quantities and (where := open_rim(mesh)):
+                faults.append(f"ask.quantities = 'volume_mm3': {where}")
             faults += _free_motions(mesh.facet_tags, mesh.dimension)
         except MeshError as error:
             faults.append(f"geometry.file: {error}")

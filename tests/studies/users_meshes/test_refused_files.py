@@ -322,6 +322,20 @@ def test_named_facets_inside_and_twice(written, blocks, refused) -> None:
     assert "a facet has 2 names (cavity, tip), and 2 facets in all" in refused()
 
 
+def test_volumes_are_asked_for_only_where_they_are_enclosed(by_gmsh, tube, scene, refused, run) -> None:
+    names = tube["names"] + tube["wall"]
+    wider = names.replace("8, 8", "10, 8").replace("8, 0.1, 4", "10, 0.1, 4").replace("5.1, 5.1", "7.1, 5.1")
+    aside = wider.replace("{-0.1, -1, -1, 0.1", "{1.9, -1, -1, 2.1")
+    by_gmsh(tube["shape"] + "Translate {2, 0, 0} { Volume{3}; }\n" + aside)
+    planned = run("plan", scene)
+    assert planned.exit_code == 0, planned.output
+    text = scene.read_text(encoding="utf-8")
+    scene.write_text(text.replace('"displacement_max_mm"', '"volume_mm3"'), encoding="utf-8")
+    assert "the cavity ends near (2, 5, " in refused()  # on the plane of symmetry x = 2
+    by_gmsh(tube["shape"] + names)
+    assert run("plan", scene).exit_code == 0
+
+
 # --- files ----------------------------------------------------------------------------------------------------
 
 
