@@ -99,7 +99,7 @@ def _check_touching(path: Path, points: FloatArray, found: Neighbours) -> None:
                 f"{_place(points[shared[0]])}), which carries nothing: let them overlap, or part them; {HOW_TO_JOIN}"
             )
         raise MeshError(
-            f"{path}: {of} that do not touch: solve one part at a time (leave the others out of the physical "
+            f"{path}: {of} that do not touch (or go through each other): solve one part at a time (leave the others out of the physical "
             f"{'volumes' if points.shape[1] == 3 else 'surfaces'}), or join them by what lies between; {HOW_TO_JOIN}"
         )
     if where is not None:

@@ -185,6 +185,27 @@ def test_a_body_in_two_pieces(by_gmsh, tube, refused) -> None:
     assert re.search(r"in 2 parts of \d+, \d+ cells that do not touch", refused())
 
 
+@pytest.mark.parametrize(
+    ("second", "said"),
+    [
+        ("{2, 2, 0, 1, 2}", r"that touch and are not joined \(\d+ pairs of nodes in one place"),
+        ("{2.33, 2, 0, 0.41, 2}", r"that touch and are not joined \(\d+ facets on others whose nodes are elsewhere"),
+        ("{3, 2, 0, 1, 2}", r"that touch and are not joined \(1 pairs of nodes in one place near \(3, 2\) mm"),
+        ("{2, 2.5, 0, 1, 2}", r"that do not touch \(.*\): solve one part at a time .* physical surfaces"),
+        ("{2.4, 1.5, 0, 1, 2}", "that touch and are not joined|that do not touch .or go through each other"),
+    ],
+    ids=["same nodes", "other nodes", "corner", "apart", "overlapping"],
+)
+def test_meridians_of_two_parts(by_gmsh, refused, second: str, said: str) -> None:
+    by_gmsh(
+        'SetFactory("OpenCASCADE"); Rectangle(1) = {2, 0, 0, 1, 2}; Rectangle(2) = ' + second + ";"
+        "Mesh.ElementOrder = 2; Mesh.CharacteristicLengthMax = 0.5;\n"
+        'Physical Curve("cavity") = {4}; Physical Curve("clamped") = {1}; Physical Surface("wall") = {1, 2};',
+        dimension=2,
+    )
+    assert re.search(r"in 2 parts of \d+, \d+ cells " + said, refused())
+
+
 def test_nodes_doubled_along_a_part_of_a_surface(written, blocks, refused) -> None:
     points, cells = blocks[0]((2, 1, 3))
     groups = blocks[1](points, cells)
