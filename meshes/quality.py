@@ -18,7 +18,7 @@ def jacobians(points: FloatArray, cells: IntArray, at: FloatArray | None = None)
     out = np.empty((len(cells), len(at)))
     for first in range(0, len(cells), 20000):  # blocks keep the memory small
         block = cells[first : first + 20000]
-        out[first : first + 20000] = np.linalg.det(np.einsum("cki,qkj->cqij", points[block], grads))
+        out[first : first + 20000] = np.linalg.det(np.einsum("cki,qkj->cqij", points[block], grads, optimize=True))
     return out
 
 

@@ -98,9 +98,10 @@ def _check_touching(path: Path, points: FloatArray, found: Neighbours) -> None:
                 f"{path}: {of} that meet only in an edge or a point ({len(shared)} nodes, near "
                 f"{_place(points[shared[0]])}), which carries nothing: let them overlap, or part them; {HOW_TO_JOIN}"
             )
+        groups = "volumes" if points.shape[1] == 3 else "surfaces"
         raise MeshError(
-            f"{path}: {of} that do not touch (or go through each other): solve one part at a time (leave the others out of the physical "
-            f"{'volumes' if points.shape[1] == 3 else 'surfaces'}), or join them by what lies between; {HOW_TO_JOIN}"
+            f"{path}: {of} that do not touch (or go through each other): solve one part at a time (leave the others "
+            f"out of the physical {groups}), or join them by what lies between; {HOW_TO_JOIN}"
         )
     if where is not None:
         raise MeshError(
