@@ -6,8 +6,8 @@ from pathlib import Path
 
 from meshes.by_gmsh.user_mesh import read_user_mesh
 from meshes.solid import SolidMesh
-from studies.planning.levels import MERIDIANS, Model
-from studies.planning.plan import Plan
+from studies.planning.levels import FINER_MERIDIANS, MERIDIANS, MOST_UNKNOWNS, Model
+from studies.planning.plan import Plan, tolerance_lines
 from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import CylinderGeometry, MeshGeometry, TubeGeometry
 from studies.scene.sections import SceneError
@@ -17,11 +17,12 @@ from studies.scene.sections import SceneError
 MERIDIAN_LEVELS = tuple(f"r{m}" for m in MERIDIANS)
 AROUND_LEVELS = {"hexahedra": ("n8", "n16"), "tetrahedra": ("n12", "n16")}
 RING_LEVELS, BLOCK_LEVELS = ("r1", "r2"), ("n2", "n3")
-# A user's mesh as it is, and with its edges halved once and twice, as far as a mesh has this many nodes at most: in 3D
-# one with 24,000 takes 20 s of a core, one with 100,000 some ten minutes.
-USER_LEVELS, MOST_NODES = ("m1", "m2", "m4"), {2: 200_000, 3: 100_000}
+# A user's mesh as it is, and with its edges halved, if that has no more than `MOST_UNKNOWNS`; and for a tolerance.
+USER_LEVELS, FINER_USER = ("m1", "m2"), ("m4", "m8", "m16")
 COOK_LEVELS = ("n8", "n16", "n32")
 CYLINDER_LEVELS = {"hexahedra": ("n8", "n12", "n16"), "tetrahedra": ("n8", "n12", "n16")}
+# The same for a tolerance that these do not hold.
+FINER_AROUND, FINER_COOK, FINER_RINGS, FINER_BLOCKS = ("n24", "n32", "n48"), ("n64", "n128"), ("r4", "r8"), ("n4", "n6")
 NOT_COMPUTED = "a closed form is no model here: the exact answer stands beside every value, in rows.csv"
 SLICE = "the third dimension: a slice of one cell, its faces held in their planes (plane strain)"
 
@@ -49,7 +50,7 @@ def plan_body(scene: BodyScene, model: Model | None = None) -> Plan:
     if chosen == "sector" and scene.mesh.element.startswith("tet"):
         raise SceneError(f'{scene.name}: a sector is meshed in hexahedra: it needs mesh.element = "hex" or "auto"')
     levels = _levels(scene, chosen)
-    stop_when_met = model is None and len(levels) == 3 and (chosen == "axisymmetric" or scene.geometry.kind == "mesh")
+    stop_when_met = model is None and chosen == "axisymmetric" and len(levels) == 3
     skipped = _skipped(scene, chosen)
     if model is None and len(allowed) > 1:
         skipped.insert(0, "sector and full 3D: the axisymmetric model is exact for this body (force one with --model)")
@@ -57,7 +58,7 @@ def plan_body(scene: BodyScene, model: Model | None = None) -> Plan:
         skipped.append(
             f"level {levels[-1]}: solved only if the first two do not hold {scene.ask.tolerance_percent:g} %"
         )
-    return Plan(chosen, levels, stop_when_met, tuple(skipped))
+    return Plan(chosen, levels, stop_when_met, tuple(skipped), finer=_finer(scene, chosen))
 
 
 def models_of(scene: BodyScene) -> tuple[Model, ...]:
@@ -90,9 +91,16 @@ def _levels(scene: BodyScene, model: Model) -> tuple[str, ...]:
         return MERIDIAN_LEVELS if model == "axisymmetric" else AROUND_LEVELS[cells_of(scene, model)]
     if isinstance(scene.geometry, MeshGeometry):
         mesh = _mesh(scene.geometry)
-        fits = [len(mesh.points) * 2 ** (mesh.dimension * k) <= MOST_NODES[mesh.dimension] for k in range(1, 3)]
-        return USER_LEVELS[: 1 + sum(fits)]
+        halved = len(mesh.points) * mesh.dimension * 2**mesh.dimension
+        return USER_LEVELS if halved <= MOST_UNKNOWNS[model] else USER_LEVELS[:1]
     return {"ring": RING_LEVELS, "block": BLOCK_LEVELS, "cook": COOK_LEVELS}[kind]
+
+
+def _finer(scene: BodyScene, model: Model) -> tuple[str, ...]:
+    kind = scene.geometry.kind
+    if model == "axisymmetric" and kind != "mesh":
+        return tuple(f"r{m}" for m in FINER_MERIDIANS)
+    return {"ring": FINER_RINGS, "block": FINER_BLOCKS, "cook": FINER_COOK, "mesh": FINER_USER}.get(kind, FINER_AROUND)
 
 
 def _skipped(scene: BodyScene, model: Model) -> list[str]:
@@ -108,14 +116,13 @@ def _skipped(scene: BodyScene, model: Model) -> list[str]:
     if g.kind in ("cook", "ring"):
         skipped.append(SLICE)
     if isinstance(g, TubeGeometry) and g.ends == "capped":
-        skipped.append("the cap: a level plate on a stiff layer that moves the bore by 1e-5 of it, which ± leaves out")
+        skipped.append("the cap: a level plate on a stiff layer that moves the bore by 1e-5 of it at most, as ± says")
     if isinstance(g, MeshGeometry):
         skipped.append("the shape's own error: refined meshes keep the shape of the one given, and ± is of that shape")
         if len(_levels(scene, model)) == 1:
-            mesh = _mesh(g)
             skipped.append(
-                f"a refined mesh, without which ± is not known: of {len(mesh.points)} nodes it would make more than "
-                f"the {MOST_NODES[mesh.dimension]:,} that are solved for it"
+                f"a refined mesh, without which ± is not known: of {len(_mesh(g).points)} nodes it would have more "
+                f"than {MOST_UNKNOWNS[model]:,} unknowns"
             )
     return skipped
 
@@ -129,4 +136,4 @@ def body_lines(scene: BodyScene, plan: Plan) -> list[str]:
     for level in plan.levels:
         maybe = " (only if needed)" if level in plan.perhaps else ""
         lines.append(f"  {plan.model.replace('full3d', 'full 3D')} {level}: path from 0 through {loads}{maybe}")
-    return lines
+    return [*lines, *tolerance_lines(plan, scene.ask.tolerance_percent)]
