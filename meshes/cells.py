@@ -169,9 +169,7 @@ _SHAPES = {
         _box_shape(QUADRILATERAL_NODES),
         _box_rule(2),
     ),
-    (3, 27): CellShape(
-        "hexahedron", 3, 8, 0.5 * HEXAHEDRON_NODES, _FACES, _box_shape(HEXAHEDRON_NODES), _box_rule(3)
-    ),
+    (3, 27): CellShape("hexahedron", 3, 8, 0.5 * HEXAHEDRON_NODES, _FACES, _box_shape(HEXAHEDRON_NODES), _box_rule(3)),
 }
 
 

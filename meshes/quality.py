@@ -18,8 +18,14 @@ def jacobians(points: FloatArray, cells: IntArray, at: FloatArray | None = None)
     out = np.empty((len(cells), len(at)))
     for first in range(0, len(cells), 20000):  # blocks keep the memory small
         block = cells[first : first + 20000]
-        out[first : first + 20000] = np.linalg.det(np.einsum("cki,qkj->cqij", points[block], grads))
+        out[first : first + 20000] = np.linalg.det(np.einsum("cki,qkj->cqij", points[block], grads, optimize=True))
     return out
+
+
+def jacobians_with_nodes(points: FloatArray, cells: IntArray) -> FloatArray:
+    """Jacobians at quadrature points and at nodes, where they are least, shape (cells, q)."""
+    cell = cell_shape(points.shape[1], cells.shape[1])
+    return np.hstack([jacobians(points, cells), jacobians(points, cells, cell.nodes)])
 
 
 def region_volumes_mm3(mesh: SolidMesh) -> dict[str, float]:

@@ -32,6 +32,8 @@ _PLURALS = {
 # What other files begin with or end in, and what makes a mesh of them.
 _CAD_ENDINGS = (".step", ".stp", ".stl", ".iges", ".igs", ".brep")
 _CAD_BEGINNINGS = (b"ISO-10303", b"solid ", b"DBRep_DrawableShape", b"CASCADE Topology")
+# gmsh reads a megabyte in 0.1 s; a broken count may keep it busy for ever.
+START_S, S_PER_MB = 30.0, 10.0
 _SECTIONS = ("Nodes", "Elements")
 
 
@@ -137,7 +139,9 @@ def read_contents(path: Path) -> Contents:
     with tempfile.TemporaryDirectory() as folder:
         link, answer = Path(folder) / "mesh.msh", Path(folder) / "mesh.npz"
         link.symlink_to(path.resolve())
-        run_gmsh("meshes.users.contents", f"{path}: gmsh cannot read it", str(link), str(answer))
+        seconds = START_S + S_PER_MB * 1e-6 * len(content)
+        failed = f"{path}: gmsh cannot read it"
+        run_gmsh("meshes.users.contents", failed, str(link), str(answer), seconds=seconds)
         if not answer.exists():
             raise MeshError(f"{path}: gmsh cannot read it")
         with np.load(answer, allow_pickle=False) as data:
@@ -168,18 +172,22 @@ def _whole_file(path: Path) -> bytes:
         raise MeshError(f"{path}: cannot be read ({error.strerror}); give the path of a gmsh file") from None
     if not re.match(rb"\s*\$(MeshFormat|Comments)\b", content):
         if path.suffix.lower() in _CAD_ENDINGS or content.lstrip().startswith(_CAD_BEGINNINGS):
-            what = f"holds a shape and no mesh: make one with: bellowsx mesh {path.name} --size MM --name cavity=NUMBERS"
+            what = (
+                f"holds a shape and no mesh: make one with: bellowsx mesh {path.name} --size MM --name cavity=NUMBERS"
+            )
         elif path.suffix.lower() in (".geo", ".geo_unrolled"):
             what = f"is a script of gmsh: mesh it first with: gmsh -3 -order 2 {path.name} -o {path.stem}.msh"
         else:
             what = (
-                "is no gmsh mesh, which begins with $MeshFormat; of formats that gmsh knows (Abaqus, Nastran, MED, UNV, "
-                f"VTK) it makes one with: gmsh {path.name} -save -o {path.stem}.msh"
+                "is no gmsh mesh, which begins with $MeshFormat; of formats that gmsh knows (Abaqus, Nastran, MED, "
+                f"UNV, VTK) it makes one with: gmsh {path.name} -save -o {path.stem}.msh"
             )
         raise MeshError(f"{path}: {what}")
     for section in _SECTIONS:
         if not re.search(rb"^\$%s\b" % section.encode(), content, re.M):
-            raise MeshError(f"{path}: has no section ${section}: it was cut off or never meshed; write it anew with gmsh")
+            raise MeshError(
+                f"{path}: has no section ${section}: it was cut off or never meshed; write it anew with gmsh"
+            )
         if not re.search(rb"^\$End%s\b" % section.encode(), content, re.M):
             raise MeshError(f"{path}: ends before $End{section}: it was cut off; write it anew with gmsh")
     return content
@@ -189,17 +197,22 @@ def _declared(path: Path, content: bytes) -> int:
     """Number of elements that a file declares; of a text file its lines are counted too."""
     try:
         declared, held = _elements(content)
-    except (ValueError, IndexError, TypeError):
+    except (ValueError, IndexError):
         raise MeshError(f"{path}: its $MeshFormat or $Elements cannot be read; write it anew with gmsh") from None
     if held not in (None, declared):
-        raise MeshError(f"{path}: declares {declared} elements and holds {held}: it was edited; write it anew with gmsh")
+        raise MeshError(
+            f"{path}: declares {declared} elements and holds {held}: it was edited; write it anew with gmsh"
+        )
     return declared
 
 
 def _elements(content: bytes) -> tuple[int, int | None]:
     """Number of elements declared, and of those held, which is not known of a binary file."""
-    version, binary, one = re.search(rb"\$MeshFormat\s+(\S+)\s+(\d)\s+\d+\s*?\n(.{4})", content, re.S).groups()
-    body = re.search(rb"^\$Elements\s*?\n(.*?)^\$EndElements", content, re.M | re.S)[1]
+    head = re.search(rb"\$MeshFormat\s+(\S+)\s+(\d)\s+\d+\s*?\n(.{4})", content, re.S)
+    found = re.search(rb"^\$Elements\s*?\n(.*?)^\$EndElements", content, re.M | re.S)
+    if head is None or found is None:
+        raise ValueError
+    (version, binary, one), body = head.groups(), found[1]
     blocks = float(version) >= 4.0
     if binary == b"1" and blocks:
         order = "<" if one == b"\1\0\0\0" else ">"
@@ -251,7 +264,8 @@ def _read_in_this_process(path: str, answer: str) -> None:
         "node_numbers": np.asarray(tags, dtype=np.int64)[order],
         "points": np.asarray(coordinates, dtype=float).reshape(-1, 3)[order],
     }
-    kinds, every = [], 0
+    kinds: list[dict[str, int]] = []
+    every = 0
     for kind in mesh.getElementTypes():
         _, dimension, degree, nodes, places, corners = mesh.getElementProperties(kind)
         parts = [_of_entity(mesh, kind, nodes, entity) for entity in _entities(gmsh, dimension)]

@@ -82,8 +82,8 @@ def _check_plane(contents: Contents, parts: tuple[Elements, ...]) -> None:
         where = f"in the plane {'xyz'[flat[0]]} = {low[flat[0]]:g}"
         raise MeshError(f"{held} {where}: a meridian lies in z = 0, with x = r and y = z; move or turn it there")
     raise MeshError(
-        f"{held} of a surface in space, and no cells of a volume: mesh it in 3D (gmsh -3) and save the volume too: name "
-        'it (Physical Volume("body") = {1};), for once anything is named gmsh saves only what is named, or save all '
+        f"{held} of a surface in space, and no cells of a volume: mesh it in 3D (gmsh -3) and save the volume too: "
+        'name it (Physical Volume("body") = {1};), for once anything is named gmsh saves only that, or save all '
         "(Mesh.SaveAll = 1); a meridian lies in z = 0"
     )
 

@@ -29,7 +29,9 @@ class Neighbours:
     @cached_property
     def _facets(self) -> tuple[IntArray, IntArray]:
         """Corners of all cells' facets, outwards in order, and one row of ascending corners each."""
-        every = np.vstack([self.cells[:, list(facet)] for facet in outward_facets(self.cell.dimension, self.cells.shape[1])])
+        every = np.vstack(
+            [self.cells[:, list(facet)] for facet in outward_facets(self.cell.dimension, self.cells.shape[1])]
+        )
         return every, np.sort(every, axis=1)
 
     @cached_property
@@ -117,10 +119,20 @@ def ridges(facets: IntArray) -> tuple[IntArray, IntArray, IntArray]:
     crowded
         Nodes of ridges of more than two facets.
     """
-    count = facets.shape[1]
-    sides = [[k] for k in range(2)] if count == 2 else [[k, (k + 1) % count] for k in range(count)]
-    ends = np.vstack([np.sort(facets[:, side], axis=1) for side in sides])
-    unique, back, number = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
+    unique, back, number = np.unique(_ends(facets), axis=0, return_inverse=True, return_counts=True)
     order = np.argsort(back.ravel(), kind="stable") % len(facets)
     starts = np.concatenate([[0], np.cumsum(number)[:-1]])[number == 2]
     return unique[number == 2], np.column_stack([order[starts], order[starts + 1]]), np.unique(unique[number > 2])
+
+
+def rim(facets: IntArray) -> IntArray:
+    """Edges that belong to one facet of a part of a surface, shape (r, 2), of facets as in `ridges`."""
+    unique, number = np.unique(_ends(facets), axis=0, return_counts=True)
+    return np.asarray(unique[number == 1])
+
+
+def _ends(facets: IntArray) -> IntArray:
+    """Nodes of the edges of facets (of a meridian: their end nodes), ascending, a row each."""
+    count = facets.shape[1]
+    sides = [[k] for k in range(2)] if count == 2 else [[k, (k + 1) % count] for k in range(count)]
+    return np.vstack([np.sort(facets[:, side], axis=1) for side in sides])

@@ -67,8 +67,8 @@ def check_one_body(path: Path, points: FloatArray, cells: IntArray, numbers: Int
         where = _place(points[found.corners(rows[:1])[0]].mean(axis=0))
         named = " and ".join(str(n) for n in numbers[found.owner[rows]])
         raise MeshError(
-            f"{path}: cells overlap near {where}, at cell {named}: a facet has more than one cell on a side; parts that "
-            "occupy the same place are made one by BooleanUnion or BooleanFragments; or mesh it anew"
+            f"{path}: cells overlap near {where}, at cell {named}: a facet has more than one cell on a side; parts "
+            "that occupy the same place are made one by BooleanUnion or BooleanFragments; or mesh it anew"
         )
     _check_touching(path, points, found)
     _check_pinched(path, points, found)
@@ -83,7 +83,9 @@ def _check_touching(path: Path, points: FloatArray, found: Neighbours) -> None:
     """Refuse separate parts, and surfaces that lie on each other and are not joined."""
     one, other = found.owner[found.pairs].T
     count = len(found.cells)
-    parts, part = connected_components(coo_matrix((np.ones(len(one)), (one, other)), shape=(count, count)), directed=False)
+    parts, part = connected_components(
+        coo_matrix((np.ones(len(one)), (one, other)), shape=(count, count)), directed=False
+    )
     sizes = np.bincount(part, minlength=parts)
     where, how = _touches(points, found, part)
     if parts > 1:
@@ -94,16 +96,17 @@ def _check_touching(path: Path, points: FloatArray, found: Neighbours) -> None:
         if len(shared):
             raise MeshError(
                 f"{path}: {of} that meet only in an edge or a point ({len(shared)} nodes, near "
-                f"{_place(points[shared[0]])}), which carries nothing: let them overlap or move them apart; {HOW_TO_JOIN}"
+                f"{_place(points[shared[0]])}), which carries nothing: let them overlap, or part them; {HOW_TO_JOIN}"
             )
+        groups = "volumes" if points.shape[1] == 3 else "surfaces"
         raise MeshError(
-            f"{path}: {of} that do not touch: solve one part at a time (leave the others out of the physical "
-            f"{'volumes' if points.shape[1] == 3 else 'surfaces'}), or join them by what lies between; {HOW_TO_JOIN}"
+            f"{path}: {of} that do not touch (or go through each other): solve one part at a time (leave the others "
+            f"out of the physical {groups}), or join them by what lies between; {HOW_TO_JOIN}"
         )
     if where is not None:
         raise MeshError(
-            f"{path}: two parts of the surface lie on each other and are not joined ({how} near {_place(where)}): a slit "
-            f"that would open; {HOW_TO_JOIN}"
+            f"{path}: two parts of the surface lie on each other and are not joined ({how} near {_place(where)}): "
+            f"a slit that would open; {HOW_TO_JOIN}"
         )
 
 
@@ -138,12 +141,14 @@ def _touches(points: FloatArray, found: Neighbours, part: IntArray) -> tuple[Flo
     hit = opposite & along & apart & (across < TOUCHING * least)
     if not hit.any():
         return None, ""
-    return middle[np.argmax(hit.any(axis=1))], f"{int(hit.any(axis=1).sum())} facets on others whose nodes are elsewhere"
+    return middle[
+        np.argmax(hit.any(axis=1))
+    ], f"{int(hit.any(axis=1).sum())} facets on others whose nodes are elsewhere"
 
 
 @dataclass(frozen=True)
 class _Faces:
-    """Points on the boundary's facets (f, q, d), unit normals outwards there, size of each facet, which is the middle."""
+    """Points on the boundary's facets (f, q, d), unit normals outwards there, each facet's size, the middle one."""
 
     points: FloatArray
     normals: FloatArray
@@ -198,8 +203,8 @@ def _check_pinched(path: Path, points: FloatArray, found: Neighbours) -> None:
     if len(pinched):
         raise MeshError(
             f"{path}: the body meets itself only in an edge or a point ({len(pinched)} nodes, near "
-            f"{_place(points[pinched[0]])}), which carries nothing: let its parts overlap there or move them apart, and "
-            "mesh it anew"
+            f"{_place(points[pinched[0]])}), which carries nothing: let its parts overlap there or move them apart, "
+            "and mesh it anew"
         )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from meshes.cells import FloatArray, IntArray, cell_shape
 from meshes.errors import MeshError
-from meshes.quality import jacobians
+from meshes.quality import jacobians_with_nodes
 
 # A cell is flat if its least Jacobian is below this part of its longest edge to the power of the dimension: a hundredth
 # of what a sliver has that a solver would still take.
@@ -24,7 +24,7 @@ def oriented(path: Path, points: FloatArray, cells: IntArray, numbers: IntArray)
         If a cell is flat or folded over, named by gmsh's number of it.
     """
     cell = cell_shape(points.shape[1], cells.shape[1])
-    signed = _jacobians_everywhere(points, cells)
+    signed = jacobians_with_nodes(points, cells)
     turned = signed.max(axis=1) < 0.0
     # exchanging the first two axes of the reference cell
     mirrored = cell.nodes[:, [1, 0, *range(2, cell.dimension)]]
@@ -43,9 +43,3 @@ def oriented(path: Path, points: FloatArray, cells: IntArray, numbers: IntArray)
             "gmsh -optimize_ho) or refine it there"
         )
     return cells
-
-
-def _jacobians_everywhere(points: FloatArray, cells: IntArray) -> FloatArray:
-    """Jacobians at quadrature points and at nodes, where they are least: shape (cells, q)."""
-    cell = cell_shape(points.shape[1], cells.shape[1])
-    return np.hstack([jacobians(points, cells), jacobians(points, cells, cell.nodes)])

@@ -1,7 +1,7 @@
 """Uniform refinement of a mesh whose cells stay in place: children are parts of their parent's own quadratic map.
 
-Each edge is halved, so a cell gives four children, in 3D eight. What a mesh says of a body's shape is kept to round-off:
-differences between a mesh and its children are the discretisation's alone.
+Each edge is halved, so a cell gives four children, in 3D eight. What a mesh says of a body's shape is kept to
+round-off: differences between a mesh and its children are the discretisation's alone.
 """
 
 from __future__ import annotations
@@ -121,7 +121,9 @@ def _diagonals(mesh: SolidMesh) -> list[IntArray]:
     if mesh.cell.name != "tetrahedron":
         return [every]
     corner = mesh.points[mesh.cells[:, :4]]
-    lengths = [np.linalg.norm(corner[:, list(a)].sum(axis=1) - corner[:, list(b)].sum(axis=1), axis=1) for a, b in _OPPOSITE]
+    lengths = [
+        np.linalg.norm(corner[:, list(a)].sum(axis=1) - corner[:, list(b)].sum(axis=1), axis=1) for a, b in _OPPOSITE
+    ]
     shortest = np.argmin(lengths, axis=0)
     return [every[shortest == k] for k in range(len(_OPPOSITE))]
 
@@ -145,7 +147,9 @@ def _child_corners(name: str, dimension: int, choice: int) -> list[IntArray]:
         return [cube + corner for corner in cube]
     corner = STEPS * np.vstack([np.zeros((1, dimension), dtype=int), np.eye(dimension, dtype=int)])
     children = [(corner + c) // 2 for c in corner]
-    middle = {pair: (corner[pair[0]] + corner[pair[1]]) // 2 for pair in itertools.combinations(range(dimension + 1), 2)}
+    middle = {
+        pair: (corner[pair[0]] + corner[pair[1]]) // 2 for pair in itertools.combinations(range(dimension + 1), 2)
+    }
     if dimension == 2:
         children.append(np.array([middle[1, 2], middle[0, 2], middle[0, 1]]))
     else:

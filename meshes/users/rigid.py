@@ -13,6 +13,7 @@ from meshes.cells import FloatArray, IntArray
 from meshes.errors import MeshError
 from meshes.solid import FACETS, SolidMesh
 from meshes.surface import surface_weights
+from meshes.users.surfaces import cavity_rim
 
 # Planes across each axis, and the motions of a body that touches one: it neither leaves it nor turns out of it.
 _PLANES = {
@@ -58,16 +59,14 @@ def rim_on(mesh: SolidMesh, surface: IntArray) -> Rim:
         If the rim is not in one plane z = const, or not centred on the z axis: a plate that turns would sweep more than
         is known of it.
     """
-    cavity, nodes = mesh.facets[mesh.facet_tags == FACETS["cavity"]], np.unique(surface)
+    nodes, ends = np.unique(surface), cavity_rim(mesh)
+    ends = ends[np.isin(ends, nodes).all(axis=1)]
     if mesh.dimension == 2:
-        ends, count = np.unique(cavity, return_counts=True)
-        at = mesh.points[[n for n in ends[count == 1] if n in nodes and mesh.points[n, 0] > 0.0]]
+        at = mesh.points[ends[:, 0]]
+        at = at[at[:, 0] > 0.0]
         return Rim(len(at), float(np.pi * np.sum(at[:, 0] ** 2)))
-    sharing: dict[tuple[int, int], int] = {}
-    for facet in cavity[np.isin(cavity, nodes).sum(axis=1) > 1].tolist():
-        for pair in itertools.combinations([n for n in facet if n in nodes], 2):
-            sharing[pair] = sharing.get(pair, 0) + 1
-    edges = [edge for edge in _edges(mesh, nodes) if sharing.get((min(edge[0], edge[2]), max(edge[0], edge[2]))) == 1]
+    here = {tuple(pair) for pair in ends.tolist()}
+    edges = [edge for edge in _edges(mesh, nodes) if (min(edge[0], edge[2]), max(edge[0], edge[2])) in here]
     if not edges:
         return Rim(0, 0.0)
     chains = _chains(edges)

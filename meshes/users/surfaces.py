@@ -13,9 +13,9 @@ import numpy as np
 
 from meshes.cells import FloatArray, IntArray
 from meshes.errors import MeshError
-from meshes.solid import FACETS
+from meshes.solid import FACETS, SolidMesh
 from meshes.users.contents import Contents
-from meshes.users.neighbours import Neighbours
+from meshes.users.neighbours import Neighbours, rim
 
 # What a physical surface (curve) may be called; bottom and top are planes that keep their height.
 SURFACES = ("cavity", "clamped", "outer", "tip", "axis", "bottom", "top", "symmetry_x", "symmetry_y", "symmetry_z")
@@ -163,6 +163,43 @@ def check_planes(path: Path, points: FloatArray, facets: IntArray, tags: IntArra
             raise MeshError(f"{path}: 'axis' is a meridian's line r = 0; a body has none: delete the physical surface")
 
 
+def cavity_rim(mesh: SolidMesh) -> IntArray:
+    """Corners of the edges at which a body's cavity ends, shape (r, 2); of a meridian's the nodes, shape (r, 1)."""
+    found = Neighbours(mesh.cells, mesh.cell)
+    corners = found.corners(found.boundary)
+    cavity = mesh.facets[mesh.facet_tags == FACETS["cavity"]]
+    base = len(mesh.points)
+    return rim(corners[np.isin(_three(np.sort(corners, axis=1), base), _three(cavity, base))])
+
+
+def open_rim(mesh: SolidMesh) -> str:
+    """Where the rim of a body's cavity is not in a plane from which enclosed volumes are counted; empty if it is.
+
+    A cavity is closed by planes z = const, and by planes of symmetry only at x = 0 and y = 0: those elsewhere would add
+    a volume of their own (`solvers.energy.loads`).
+    """
+    if mesh.dimension == 2:
+        return ""
+    edges = cavity_rim(mesh)
+    size = float(np.ptp(mesh.points, axis=0).max())
+    at = mesh.points[edges]
+    closed = (np.abs(at[:, :, :2]) <= SNAP * size).all(axis=1).any(axis=1)
+    along = np.diff(at, axis=1)[:, 0]
+    loose = at[~closed & (np.abs(along[:, 2]) > TILT * np.linalg.norm(along, axis=1))]
+    if not len(loose):
+        return ""
+    where = ", ".join(f"{x:.4g}" for x in loose[0].mean(axis=0))
+    return (
+        f"the cavity ends near ({where}) mm, not at z = const, x = 0 or y = 0, where volumes are counted from: "
+        "move or turn the body so that it does, or ask for other quantities"
+    )
+
+
+def _three(facets: IntArray, base: int) -> IntArray:
+    """A number per facet of ascending corners: three of them tell one from another, of a meridian's two."""
+    return (facets[:, 0] * base + facets[:, 1]) * base + facets[:, min(2, facets.shape[1] - 1)]
+
+
 # --- the axis of a meridian -------------------------------------------------------------------------------------
 
 
@@ -178,8 +215,8 @@ def on_the_axis(path: Path, points: FloatArray) -> FloatArray:
     flat = points[:, :2].copy()
     if flat[:, 0].min() < -SNAP * size:
         raise MeshError(
-            f"{path}: a meridian has r = x >= 0; this one reaches x = {flat[:, 0].min():g}: draw one half only, and move "
-            f"its axis to x = 0 (nodes within {SNAP * size:.3g} of it are put there)"
+            f"{path}: a meridian has r = x >= 0; this one reaches x = {flat[:, 0].min():g}: draw one half only, and "
+            f"move its axis to x = 0 (nodes within {SNAP * size:.3g} of it are put there)"
         )
     flat[np.abs(flat[:, 0]) <= SNAP * size, 0] = 0.0
     return np.asarray(flat)
@@ -207,8 +244,8 @@ def with_axis(
     wrong = on & (names != "") & ~np.isin(names, ON_AXIS)
     if wrong.any():
         raise MeshError(
-            f"{path}: {int(wrong.sum())} edges named {names[wrong][0]!r} lie on r = 0, which is the axis, inside the body: "
-            "leave them without a name or call them 'axis'"
+            f"{path}: {int(wrong.sum())} edges named {names[wrong][0]!r} lie on r = 0, which is the axis, inside the "
+            "body: leave them without a name or call them 'axis'"
         )
     _check_beside_axis(path, points, edges[~on], names[~on], size)
     alone = np.setdiff1d(edges[(radius[edges] == 0.0).any(axis=1)][:, :], edges[on])
@@ -238,6 +275,6 @@ def _check_beside_axis(path: Path, points: FloatArray, edges: IntArray, names: n
         worst = int(np.argmax(np.where(misplaced, radius, -1.0)))
         called_what = f"named {names[worst]!r}" if names[worst] else "without a name"
         raise MeshError(
-            f"{path}: an edge {called_what} reaches r = {radius[worst]:.4g} mm, beside the axis r = 0: move the axis to "
-            f"x = 0 (nodes within {SNAP * size:.3g} mm are put there), or name a bore of its own 'outer'"
+            f"{path}: an edge {called_what} reaches r = {radius[worst]:.4g} mm, beside the axis r = 0: move the axis "
+            f"to x = 0 (nodes within {SNAP * size:.3g} mm are put there), or name a bore of its own 'outer'"
         )

@@ -1,7 +1,7 @@
 """Models and names of their meshes: ``r4`` is a meridian refined four times, ``n8r2`` a body with 8 cells round on r2.
 
-In a name r refines the meridian, m a user's mesh, and n is the number of cells round the whole circumference (of a cube:
-along an edge).
+In a name r refines the meridian, m a user's mesh, and n is the number of cells round the whole circumference (of a
+cube: along an edge).
 """
 
 from __future__ import annotations

@@ -10,6 +10,7 @@ from typing import Any
 from meshes.by_gmsh.user_mesh import read_user_mesh
 from meshes.solid import FACETS, SolidMesh
 from meshes.users.rigid import rim_on
+from meshes.users.surfaces import open_rim
 from studies.scene.body_geometry import MeshGeometry
 
 
@@ -36,6 +37,8 @@ def mesh_faults(
     """
     mesh = read_user_mesh(Path(g.file), g.scale)
     faults = _tip_faults(g, mesh, tip, tip_force_n, quantities)
+    if "volume_mm3" in quantities and (where := open_rim(mesh)):
+        faults.append(f"ask.quantities = 'volume_mm3': {where}")
     if "reaction_n" in quantities and not has_surface(mesh.facet_tags, "clamped"):
         faults.append("ask.quantities = 'reaction_n': no surface of the mesh is named 'clamped'")
     for k, name in enumerate(mesh.rigid):

@@ -20,7 +20,7 @@ from meshes.users.refine import refined
 
 
 def curved(kind: str) -> SolidMesh:
-    """Half a hollow sphere 5/7 mm, or a quarter of it in hexahedra, in few curved cells; every second one is mirrored."""
+    """Half a hollow sphere 5/7 mm, or a quarter of it in hexahedra, in few curved cells, not all the same way round."""
     if kind == "hexahedron":
         mesh = revolve_hexahedra(sphere_meridian(5.0, 7.0, 3, 2, "quadrilaterals"), 2, np.pi / 2)
     else:

@@ -26,7 +26,7 @@ mu_kpa = {mu}
 [load]
 pressure_kpa = {loads}
 [ask]
-quantities = ["displacement_max_mm", "volume_mm3"]
+quantities = ["displacement_max_mm"]
 """
 
 
