@@ -32,7 +32,7 @@ from solvers.energy.materials import Material
 from solvers.problem import Problem
 from solvers.state import State
 from studies.models.build import element_of
-from studies.models.users_body import users_body, users_measures
+from studies.models.users.body import users_body, users_measures
 from studies.planning.bodies import cells_of
 from studies.planning.levels import fineness
 from studies.scene.bodies import BodyScene
