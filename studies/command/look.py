@@ -188,6 +188,12 @@ def _describe(found: SolidMesh) -> None:
     for region, volume in region_volumes_mm3(found).items():
         if volume:
             say(f"region {region}: {volume:.6g} mm³")
+    for number, names in found.volumes:
+        say(f"volume {' and '.join(names) or 'without a name'}: {int((found.regions == number).sum())} cells")
+    for body, name in enumerate(found.rigid):
+        say(f"surface {name}: {int((found.facet_bodies == body).sum())} facets, a rigid body")
     for name, number in FACETS.items():
+        if found.rigid and name == "bond":
+            continue
         if count := int((found.facet_tags == number).sum()):
             say(f"surface {name}: {count} facets")
