@@ -14,12 +14,21 @@ import numpy as np
 
 from meshes.cells import FloatArray
 from meshes.errors import MeshError
-from meshes.solid import REGIONS, SolidMesh
+from meshes.solid import SolidMesh
 from meshes.users.contents import read_contents
 from meshes.users.kinds import cells_of, in_own_order
 from meshes.users.one_body import check_flat_faces, check_one_body
 from meshes.users.orientation import oriented
-from meshes.users.surfaces import SURFACES, check_facets, check_planes, named_facets, on_the_axis, with_axis
+from meshes.users.surfaces import (
+    SURFACES,
+    check_facets,
+    check_planes,
+    named_facets,
+    on_the_axis,
+    rigid_bodies,
+    with_axis,
+)
+from meshes.users.volumes import named_volumes
 
 __all__ = ["SURFACES", "read_user_mesh"]
 
@@ -40,7 +49,7 @@ def read_user_mesh(path: Path, scale: float = 1.0) -> SolidMesh:
     Returns
     -------
     SolidMesh
-        All of it is elastomer. Edges of a meridian on r = 0 are ``axis`` whatever their name.
+        With the volumes that the file names. Edges of a meridian on r = 0 are ``axis`` whatever their name.
 
     Raises
     ------
@@ -65,7 +74,8 @@ def _checked(path: Path, scale: float, stamp: int) -> SolidMesh:
     if cell.dimension == 2:
         points = on_the_axis(path, points)
     _check_size(path, points, scale)
-    facets, tags = named_facets(contents, used, cell.dimension)
+    facets, tags, rigid = named_facets(contents, used, cell.dimension)
+    regions, volumes = named_volumes(contents, elements)
     rows = back.reshape(elements.nodes.shape).astype(np.int64)
     points, cells, place = in_own_order(points, rows, elements.kind, cell)
     facets = np.sort(place[facets], axis=1)
@@ -77,14 +87,17 @@ def _checked(path: Path, scale: float, stamp: int) -> SolidMesh:
     if cell.dimension == 2:
         facets, tags = with_axis(path, points, facets, tags, found)
     check_planes(path, points, facets, tags)
+    tags, bodies = rigid_bodies(tags)
     return SolidMesh(
         points=points,
         cells=cells,
-        regions=np.full(len(cells), REGIONS["elastomer"]),
+        regions=regions,
         facets=facets,
         facet_tags=tags,
-        facet_bodies=np.full(len(facets), -1),
+        facet_bodies=bodies,
         tip_centre_node=int(np.lexsort((points[:, 0], -points[:, -1]))[0]),
+        volumes=volumes,
+        rigid=rigid,
     )
 
 

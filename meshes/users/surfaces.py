@@ -19,6 +19,8 @@ from meshes.users.neighbours import Neighbours, rim
 
 # What a physical surface (curve) may be called; bottom and top are planes that keep their height.
 SURFACES = ("cavity", "clamped", "outer", "tip", "axis", "bottom", "top", "symmetry_x", "symmetry_y", "symmetry_z")
+# A surface whose name begins so moves as a rigid body; until all is checked it has a number of its own from here on.
+RIGID, FIRST_RIGID = "rigid", 101
 # Planes, and the coordinate that is the same all over them; of a meridian 1 is z.
 PLANES = {
     2: {"bottom": 1, "top": 1, "symmetry_z": 1},
@@ -35,8 +37,8 @@ SNAP = 1e-5
 NEAR_AXIS = 1e-3
 
 
-def named_facets(contents: Contents, used: IntArray, dimension: int) -> tuple[IntArray, IntArray]:
-    """Corner nodes of the named facets, ascending, and their surface numbers.
+def named_facets(contents: Contents, used: IntArray, dimension: int) -> tuple[IntArray, IntArray, tuple[str, ...]]:
+    """Corner nodes of the named facets, ascending, their surface numbers, and names of those that are rigid bodies.
 
     Parameters
     ----------
@@ -55,16 +57,22 @@ def named_facets(contents: Contents, used: IntArray, dimension: int) -> tuple[In
     path, what = contents.path, "surface" if dimension == 3 else "curve"
     groups = [group for group in contents.groups if group.dimension == dimension - 1]
     facets, tags = [np.empty((0, 0), dtype=np.int64)][:0], [np.empty(0, dtype=np.int64)]
+    rigid: list[str] = []
     for group in groups:
         if not group.name:
             raise MeshError(
                 f"{path}: physical {what} {group.number} has no name: name it, for instance "
                 f'Physical {what.title()}("cavity") = {{...}}; allowed: {", ".join(SURFACES)}'
             )
-        if group.name not in SURFACES:
-            near = difflib.get_close_matches(group.name.lower(), SURFACES, n=1, cutoff=0.5)
+        is_rigid = group.name == RIGID or group.name.startswith(f"{RIGID}_")
+        if group.name not in SURFACES and not is_rigid:
+            near = difflib.get_close_matches(group.name.lower(), (*SURFACES, RIGID), n=1, cutoff=0.5)
             hint = f"did you mean {near[0]}? " if near else ""
-            raise MeshError(f"{path}: physical {what} {group.name!r} is unknown; {hint}allowed: {', '.join(SURFACES)}")
+            allowed = f"{', '.join(SURFACES)}, {RIGID} and {RIGID}_NAME (a rigid body each)"
+            raise MeshError(f"{path}: physical {what} {group.name!r} is unknown; {hint}allowed: {allowed}")
+        if is_rigid and group.name not in rigid:
+            rigid.append(group.name)
+        number = FIRST_RIGID + rigid.index(group.name) if is_rigid else FACETS[group.name]
         corners = _corners_of(contents, group.entities, dimension - 1)
         if not sum(map(len, corners)):
             raise MeshError(
@@ -75,7 +83,7 @@ def named_facets(contents: Contents, used: IntArray, dimension: int) -> tuple[In
             if not np.isin(part, used).all():
                 raise MeshError(f"{path}: physical {what} {group.name!r} has nodes that belong to no cell")
             facets.append(np.sort(np.searchsorted(used, part), axis=1))
-            tags.append(np.full(len(part), FACETS[group.name]))
+            tags.append(np.full(len(part), number))
     if all(group.name != "cavity" for group in groups):
         given = ", ".join(repr(group.name) for group in groups) or "none"
         elsewhere = [group for group in contents.groups if group.name == "cavity"]
@@ -83,7 +91,13 @@ def named_facets(contents: Contents, used: IntArray, dimension: int) -> tuple[In
         raise MeshError(
             f"{path}: no physical {what} is named 'cavity', where the pressure acts; named are: {given}{hint}"
         )
-    return _stacked(path, facets), np.concatenate(tags)
+    return _stacked(path, facets), np.concatenate(tags), tuple(rigid)
+
+
+def rigid_bodies(tags: IntArray) -> tuple[IntArray, IntArray]:
+    """Surface numbers with rigid bodies as ``bond``, and the body of each facet, -1 for none."""
+    is_rigid = tags >= FIRST_RIGID
+    return np.where(is_rigid, FACETS["bond"], tags), np.where(is_rigid, tags - FIRST_RIGID, -1)
 
 
 def _stacked(path: Path, facets: list[IntArray]) -> IntArray:
@@ -126,7 +140,7 @@ def check_facets(path: Path, facets: IntArray, tags: IntArray, found: Neighbours
 
 
 def _name(number: int) -> str:
-    return next(name for name, n in FACETS.items() if n == number)
+    return next((name for name, n in FACETS.items() if n == number), RIGID)
 
 
 def check_planes(path: Path, points: FloatArray, facets: IntArray, tags: IntArray) -> None:
@@ -149,6 +163,15 @@ def check_planes(path: Path, points: FloatArray, facets: IntArray, tags: IntArra
             raise MeshError(f"{path}: 'axis' is a meridian's line r = 0; a body has none: delete the physical surface")
 
 
+def cavity_rim(mesh: SolidMesh) -> IntArray:
+    """Corners of the edges at which a body's cavity ends, shape (r, 2); of a meridian's the nodes, shape (r, 1)."""
+    found = Neighbours(mesh.cells, mesh.cell)
+    corners = found.corners(found.boundary)
+    cavity = mesh.facets[mesh.facet_tags == FACETS["cavity"]]
+    base = len(mesh.points)
+    return rim(corners[np.isin(_three(np.sort(corners, axis=1), base), _three(cavity, base))])
+
+
 def open_rim(mesh: SolidMesh) -> str:
     """Where the rim of a body's cavity is not in a plane from which enclosed volumes are counted; empty if it is.
 
@@ -157,12 +180,7 @@ def open_rim(mesh: SolidMesh) -> str:
     """
     if mesh.dimension == 2:
         return ""
-    found = Neighbours(mesh.cells, mesh.cell)
-    corners = found.corners(found.boundary)
-    cavity = mesh.facets[mesh.facet_tags == FACETS["cavity"]]
-    base = len(mesh.points)
-    inside = np.isin(_three(np.sort(corners, axis=1), base), _three(cavity, base))
-    edges = rim(corners[inside])
+    edges = cavity_rim(mesh)
     size = float(np.ptp(mesh.points, axis=0).max())
     at = mesh.points[edges]
     closed = (np.abs(at[:, :, :2]) <= SNAP * size).all(axis=1).any(axis=1)
@@ -178,8 +196,8 @@ def open_rim(mesh: SolidMesh) -> str:
 
 
 def _three(facets: IntArray, base: int) -> IntArray:
-    """A number per facet of ascending corners: three of them tell one from another."""
-    return (facets[:, 0] * base + facets[:, 1]) * base + facets[:, 2]
+    """A number per facet of ascending corners: three of them tell one from another, of a meridian's two."""
+    return (facets[:, 0] * base + facets[:, 1]) * base + facets[:, min(2, facets.shape[1] - 1)]
 
 
 # --- the axis of a meridian -------------------------------------------------------------------------------------
