@@ -188,6 +188,11 @@ def _describe(found: SolidMesh) -> None:
     for region, volume in region_volumes_mm3(found).items():
         if volume:
             say(f"region {region}: {volume:.6g} mm³")
+    for name in dict.fromkeys(name for _, names in found.volumes for name in names):
+        say(f"volume {name}")
+    for body, name in enumerate(found.rigid):
+        say(f"surface {name}: {int((found.facet_bodies == body).sum())} facets, a rigid body")
     for name, number in FACETS.items():
-        if count := int((found.facet_tags == number).sum()):
+        count = int((found.facet_tags == number).sum())
+        if count and not (found.rigid and name == "bond"):
             say(f"surface {name}: {count} facets")
