@@ -100,7 +100,7 @@ class Problem:
         kin = kinematics(domain.mesh, domain.axisymmetric, axes)
         with self.timer("compile"):
             refuse_overlaps(domain)
-        self.law = compile_law(law, domain.mesh)
+        self._law, self.law = law, compile_law(law, domain.mesh)
         with self.timer("compile"):
             self._compile(kin)
         self._measure(kin)
@@ -143,7 +143,7 @@ class Problem:
         self.load.compile(closed=bodies is not None and bodies.plate is not None)
         self.conservative = self.load.conservative
         self._tangent = compat.compile_form(tangents[self.conservative])
-        self.deformation = Deformation(self.unknowns, kin, degree, self.timer)
+        self.deformation = Deformation(self.unknowns, kin, self._law, degree, self.timer)
 
     def _measure(self, kin: Kinematics) -> None:
         """What residuals of the volume and volumes are measured by."""

@@ -7,6 +7,8 @@ import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
+from analytical.laws.isotropic import IsotropicLaw
+from analytical.laws.stability import is_stable, principal_stretches, stable_stretches
 from solvers import compat
 from solvers.assembly.surfaces import SOFT
 from solvers.assembly.unknowns import Unknowns
@@ -51,19 +53,24 @@ class Deformation:
     ----------
     unknowns, kin
         Of the problem.
+    law
+        Of the SOFT cells.
     degree
         Of the quadrature.
     timer
         Takes the seconds.
     """
 
-    def __init__(self, unknowns: Unknowns, kin: Kinematics, degree: int, timer: Timer) -> None:
-        self._domain, self._timer = unknowns.domain, timer
+    def __init__(self, unknowns: Unknowns, kin: Kinematics, law: IsotropicLaw, degree: int, timer: Timer) -> None:
+        self._domain, self._timer, self._law = unknowns.domain, timer, law
+        self._softens = any(np.isfinite(limit) for limit in stable_stretches(law).values())
         k = invariants(kin.gradient(ufl.split(unknowns.state)[0]))
         self._points = compat.quadrature_points(unknowns.domain.cell_name, degree)
         self._values = compat.compile_expression(ufl.as_vector([k.j, k.i1, k.i2]), self._points)
         topology = unknowns.domain.mesh.topology
         self._cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
+        tags = unknowns.domain.cell_tags
+        self._soft = np.isin(self._cells, tags.indices[tags.values == SOFT])
 
     def _now(self) -> FloatArray:
         """Det F and isochoric I1 and I2 at this rank's quadrature points, shape (points, 3)."""
@@ -78,6 +85,22 @@ class Deformation:
                 j = float(np.min(values[:, 0])) if np.isfinite(values).all() else -np.inf
                 i1, i2 = float(np.max(values[:, 1])), float(np.max(values[:, 2]))
             return comm.allreduce(j, op=MPI.MIN), comm.allreduce(i1, op=MPI.MAX), comm.allreduce(i2, op=MPI.MAX)
+
+    def stretches(self) -> tuple[float, float]:
+        """Largest principal stretch of the SOFT cells, and the least of those at which their law is no longer stable.
+
+        The second is that of the point nearest to where the law softens, infinite where it is stable at all points. At
+        a re-entrant corner the first grows as the mesh is refined.
+        """
+        with self._timer("checks"):
+            soft = self._now().reshape(len(self._cells), -1, 3)[self._soft].reshape(-1, 3)
+            isochoric = principal_stretches(soft[:, 1], soft[:, 2])
+            largest, unstable = np.cbrt(soft[:, 0]) * isochoric[0], np.zeros(len(soft), dtype=bool)
+            if self._softens and len(soft):
+                unstable = ~is_stable(self._law, *isochoric)
+            found = float(largest.max(initial=0.0)), float(largest[unstable].min(initial=np.inf))
+            comm = self._domain.comm
+            return comm.allreduce(found[0], op=MPI.MAX), comm.allreduce(found[1], op=MPI.MIN)
 
     def worst_cell(self) -> str:
         """The smallest det F, and where its quadrature point is in the unloaded body."""

@@ -16,7 +16,7 @@ from studies.scene.body_geometry import TubeGeometry
 # three levels of a bonded tube show an order of 1.3.
 SMOOTH, WITH_CORNERS = Orders(3.0), Orders(3.0, EDGE_ORDER)
 UNITS = {"volume_mm3": "mm3", "torque_nmm": "N mm", "axial_force_n": "N"}
-CHECKS = {"unstable_modes": "1", "min_det_f": "1"}
+CHECKS = {"unstable_modes": "1", "min_det_f": "1", "largest_stretch": "1"}
 # What is read off whole paths, not at single loads; all in kPa.
 OF_PATHS = ("limit_kpa", "crossing_kpa")
 

@@ -55,4 +55,4 @@ def read_records(path: Path, kind: type[Record], renamed: Mapping[str, str] | No
     kinds = {f.name: f.type for f in fields(kind)}  # type: ignore[arg-type]
     now = renamed or {}
     lines = [{now.get(name, name): text for name, text in line.items()} for line in read_lines(path)]
-    return [kind(**{name: field_value(of, line[name]) for name, of in kinds.items()}) for line in lines]
+    return [kind(**{name: field_value(of, line[name]) for name, of in kinds.items() if name in line}) for line in lines]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import zipfile
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -29,6 +30,7 @@ class PathRow:
     tip, minus the scene's dead force (which is positive when it pulls). ``reaction_n`` is that of the support on the
     actuator, so that ``reaction_n + P A = tip_force_n`` with the inlet's area A. ``control`` says what was held in the
     solve; ``status`` is ``requested`` for states at requested pressures, ``step`` for those between.
+    ``largest_stretch`` is that of the elastomer at quadrature points, corners where it is singular included.
     """
 
     pressure_kpa: float
@@ -47,6 +49,7 @@ class PathRow:
     wall_s: float
     status: str
     bond_slip_rms_mm: float
+    largest_stretch: float = math.nan  # older files have none
 
 
 @dataclass(frozen=True)
