@@ -199,7 +199,9 @@ def stretch_warnings(material: AnyMaterial, stretches: Sequence[tuple[float, flo
     if known is not None and (first := _first(stretches, known)):
         found.append(f"{first}: beyond the law's data, which go to {known:g} (material.data_to_stretch)")
     if known is None and (first := _first(stretches, UNKNOWN_FROM_STRETCH)):
-        found.append(f"{first}: up to which stretch the law's data go is unknown (tell it in material.data_to_stretch)")
+        limit = f"; {silicone.name} breaks at {silicone.stretch_at_break:g}" if silicone and not found else ""
+        unknown = "up to which stretch the law's data go is unknown (tell it in material.data_to_stretch)"
+        found.append(f"{first}: {unknown}{limit}")
     return found
 
 
