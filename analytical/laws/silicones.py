@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from analytical.laws.isotropic import OGDEN_CONVENTIONS, IsotropicLaw, Ogden, OgdenConvention, Yeoh
+from analytical.laws.isotropic import OGDEN_CONVENTIONS, IsotropicLaw, Law, Ogden, OgdenConvention, Yeoh
 
 # Printed: C1 = 36000, C2 = 2500, C3 = 230 Pa; initial shear modulus 2 C1 = 72 kPa.
 DRAGON_SKIN_10: Final = Yeoh(c_mpa=(0.036, 0.0025, 0.00023))
@@ -55,24 +55,26 @@ class Silicone:
 
 
 _SOURCE: Final = "elongation at break {:g} %, Smooth-On's data sheet"
-_SILICONES: Final[tuple[tuple[IsotropicLaw, Silicone], ...]] = tuple(
-    (law, Silicone(name, 1.0 + 0.01 * elongation, _SOURCE.format(elongation)))
-    for law, name, elongation in (
-        (DRAGON_SKIN_10, "Dragon Skin 10", DRAGON_SKIN_10_ELONGATION_AT_BREAK_PERCENT),
-        *(
-            (dragon_skin_30(convention), "Dragon Skin 30", DRAGON_SKIN_30_ELONGATION_AT_BREAK_PERCENT)
-            for convention in OGDEN_CONVENTIONS
-        ),
-    )
+_KNOWN: Final[tuple[tuple[Law, str, float], ...]] = (
+    (DRAGON_SKIN_10, "Dragon Skin 10", DRAGON_SKIN_10_ELONGATION_AT_BREAK_PERCENT),
+    *(
+        (dragon_skin_30(convention), "Dragon Skin 30", DRAGON_SKIN_30_ELONGATION_AT_BREAK_PERCENT)
+        for convention in OGDEN_CONVENTIONS
+    ),
 )
 
 
 def silicone_of(law: IsotropicLaw) -> Silicone | None:
     """The silicone whose printed constants a law has, to six digits; None if it is none of them."""
-    return next((silicone for known, silicone in _SILICONES if _alike(known, law)), None)
+    for known, name, elongation in _KNOWN:
+        if _alike(known, law):
+            return Silicone(name, 1.0 + 0.01 * elongation, _SOURCE.format(elongation))
+    return None
 
 
-def _alike(known: IsotropicLaw, law: IsotropicLaw) -> bool:
+def _alike(known: Law, law: IsotropicLaw) -> bool:
+    numbers: tuple[float, ...]
+    given: tuple[float, ...]
     if isinstance(known, Yeoh) and isinstance(law, Yeoh):
         numbers, given = known.c_mpa, law.c_mpa
     elif isinstance(known, Ogden) and isinstance(law, Ogden) and known.convention == law.convention:

@@ -17,9 +17,9 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -41,15 +41,20 @@ MODES: Final[Mapping[str, Callable[[FloatArray], tuple[FloatArray, FloatArray, F
 LARGEST_STRETCH: Final = 100.0
 
 
-@functools.lru_cache(maxsize=64)
 def stable_stretches(law: IsotropicLaw) -> Mapping[str, float]:
     """Stretch at which a law softens in each of MODES; infinite where it does not up to LARGEST_STRETCH.
 
     Parameters
     ----------
     law
-        A hyperelastic law.
+        A hyperelastic law that can be a key: frozen, as all here are.
     """
+    assert isinstance(law, Hashable)
+    return _stable_stretches(law)
+
+
+@functools.lru_cache(maxsize=64)
+def _stable_stretches(law: Any) -> Mapping[str, float]:
     # Steps of half a percent in stretch: far finer than a loss of stability in a cubic in I1.
     stretch = np.geomspace(1.0, LARGEST_STRETCH, 1001)
     found = {}
