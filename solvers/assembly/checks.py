@@ -70,7 +70,8 @@ class Deformation:
         topology = unknowns.domain.mesh.topology
         self._cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
         tags = unknowns.domain.cell_tags
-        self._soft = np.isin(self._cells, tags.indices[tags.values == SOFT])
+        soft = np.isin(self._cells, tags.indices[tags.values == SOFT])
+        self._soft = np.repeat(soft, len(self._points))
 
     def _now(self) -> FloatArray:
         """Det F and isochoric I1 and I2 at this rank's quadrature points, shape (points, 3)."""
@@ -86,35 +87,42 @@ class Deformation:
                 i1, i2 = float(np.max(values[:, 1])), float(np.max(values[:, 2]))
             return comm.allreduce(j, op=MPI.MIN), comm.allreduce(i1, op=MPI.MAX), comm.allreduce(i2, op=MPI.MAX)
 
-    def stretches(self) -> tuple[float, float]:
-        """Largest principal stretch of the SOFT cells, and the least of those at which their law is no longer stable.
-
-        The second is that of the point nearest to where the law softens, infinite where it is stable at all points. At
-        a re-entrant corner the first grows as the mesh is refined.
-        """
+    def largest_stretch(self) -> float:
+        """Largest principal stretch of the SOFT cells; at a re-entrant corner it grows as the mesh is refined."""
         with self._timer("checks"):
-            soft = self._now().reshape(len(self._cells), -1, 3)[self._soft].reshape(-1, 3)
-            isochoric = principal_stretches(soft[:, 1], soft[:, 2])
-            largest, unstable = np.cbrt(soft[:, 0]) * isochoric[0], np.zeros(len(soft), dtype=bool)
-            if self._softens and len(soft):
-                unstable = ~is_stable(self._law, *isochoric)
-            found = float(largest.max(initial=0.0)), float(largest[unstable].min(initial=np.inf))
-            comm = self._domain.comm
-            return comm.allreduce(found[0], op=MPI.MAX), comm.allreduce(found[1], op=MPI.MIN)
+            values = self._now()[self._soft]
+            isochoric, _, _ = principal_stretches(values[:, 1], values[:, 2])
+            largest = float((np.cbrt(values[:, 0]) * isochoric).max(initial=0.0))
+            return self._domain.comm.allreduce(largest, op=MPI.MAX)
+
+    def softened(self) -> str:
+        """The least stretch at which the law of the SOFT cells is no longer stable, and where; empty if nowhere."""
+        if not self._softens:
+            return ""
+        with self._timer("checks"):
+            values, stretch = self._now(), np.full(len(self._soft), np.inf)
+            isochoric = principal_stretches(values[self._soft, 1], values[self._soft, 2])
+            largest = np.cbrt(values[self._soft, 0]) * isochoric[0]
+            stretch[self._soft] = np.where(is_stable(self._law, *isochoric), np.inf, largest)
+            least, place = self._least(stretch)
+            return "" if least == np.inf else f"stretch {least:.4g} at {place}"
 
     def worst_cell(self) -> str:
         """The smallest det F, and where its quadrature point is in the unloaded body."""
+        values = self._now()[:, 0]
+        det_f, place = self._least(np.where(np.isfinite(values), values, -np.inf))
+        return f"det F = {det_f:.3g} at {place}"
+
+    def _least(self, values: FloatArray) -> tuple[float, str]:
+        """The least of a value per quadrature point of all ranks, and where its point is in the unloaded body."""
         domain = self._domain
         here = compat.compile_expression(ufl.SpatialCoordinate(domain.mesh), self._points)
-        values = self._now()[:, 0]
-        values = np.where(np.isfinite(values), values, -np.inf)
         found = []
         if len(values):
-            worst, tags = int(np.argmin(values)), domain.cell_tags
-            region = int(tags.values[tags.indices == worst // len(self._points)][0])
+            least = int(np.argmin(values))
             places = compat.evaluate(here, domain.mesh, self._cells).reshape(-1, domain.mesh.geometry.dim)
-            found = [(float(values[worst]), places[worst], region)]
-        det_f, at, region = min((f for part in domain.comm.allgather(found) for f in part), key=lambda f: f[0])
+            found = [(float(values[least]), places[least], bool(self._soft[least]))]
+        value, at, soft = min((f for part in domain.comm.allgather(found) for f in part), key=lambda f: f[0])
         names = ("r", "z") if domain.axisymmetric else ("x", "y", "z")
         place = ", ".join(f"{name} = {value:.2f}" for name, value in zip(names, at, strict=True))
-        return f"det F = {det_f:.3g} at {place} mm, {'soft' if region == SOFT else 'stiff'} region"
+        return value, f"{place} mm, {'soft' if soft else 'stiff'} region"

@@ -282,9 +282,8 @@ def _check_state(problem: Problem) -> tuple[float, float]:
     limit1, limit2 = problem.law.invariant_limits
     if i1 > limit1 or i2 > limit2:
         raise StepFailed(f"out of the material law's range: {_range(problem)}", Cause.MATERIAL_RANGE)
-    stretch, unstable = problem.deformation.stretches()
-    if unstable < np.inf:
-        raise StepFailed(f"the law is no longer stable at stretch {unstable:.4g}", Cause.LAW_SOFTENS)
+    if softened := problem.deformation.softened():
+        raise StepFailed(f"the law is no longer stable at {softened}", Cause.LAW_SOFTENS)
     for term in problem.terms:
         term.check()
-    return det_f, stretch
+    return det_f, problem.deformation.largest_stretch()
