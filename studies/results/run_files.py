@@ -52,8 +52,8 @@ class PathRow:
     wall_s: float
     status: str
     bond_slip_rms_mm: float
-    largest_stretch: float = math.nan
     residual: float = math.nan
+    largest_stretch: float = math.nan
 
 
 @dataclass(frozen=True)
