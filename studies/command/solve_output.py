@@ -139,7 +139,8 @@ def as_json(result: SceneResult[Scene]) -> str:
         ],
         "expected": result.remark,
         "warnings": list(result.warnings),
-        "rows": [_plain(row) for row in (*result.headlines, *_of_answer(result, STRETCH))],
+        "rows": [_plain(row) for row in result.headlines],
+        "largest_stretch": [_plain(row) for row in _of_answer(result, STRETCH)],
     }
     return json.dumps(content, indent=1, allow_nan=False)
 

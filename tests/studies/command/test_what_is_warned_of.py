@@ -112,6 +112,9 @@ def test_largest_stretch_is_a_column_and_warned_of_beyond_what_is_known(scene, t
     )
     assert warning in done.stderr
     assert any(note.startswith(warning) for note in read_summary(out).plan)
+    (low, high) = json.loads(invoke("solve", path, "--out", out, "--json").stdout)["largest_stretch"]
+    assert (low["pressure_kpa"], high["pressure_kpa"]) == (5.0, 60.0)
+    assert high["value"] == pytest.approx(found[60.0].value, rel=1e-8)
     told = path.read_text().replace("[load]", "data_to_stretch = 3.0\n[load]")
     path.write_text(told, encoding="utf-8")
     assert (
