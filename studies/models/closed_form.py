@@ -34,7 +34,7 @@ def run_closed_form(scene: BellowsScene, folder: Path, comm: MPI.Comm) -> Run:
     """
     begin = time.perf_counter()
     tips, forces, stretches = _tip(scene)
-    beyond = stretch_warnings(scene.material, list(zip(scene.load.pressure_kpa, stretches, strict=True)))
+    beyond = stretch_warnings(scene, list(zip(scene.load.pressure_kpa, stretches, strict=True)))
     silicone, rings = masses_g(scene, scene_meridian(scene, 1))
     rows = tuple(
         _row(pressure_kpa=pressure, tip_mm=tip, tip_centre_mm=tip, tip_force_n=force, largest_stretch=stretch)

@@ -31,7 +31,7 @@ from studies.first_rank import first
 from studies.models.build import Tip
 from studies.models.contact import CONTACT_FILE, ContactWatch
 from studies.models.gaps import GapMeter, Touch
-from studies.planning.warnings import law_range, scene_warnings, stretch_warnings
+from studies.planning.warnings import law_ranges, scene_warnings, stretch_warnings
 from studies.progress import Progress
 from studies.results import provenance
 from studies.results.run_files import (
@@ -104,8 +104,7 @@ def begin(
 
 def scene_notes(scene: Scene) -> tuple[str, ...]:
     """Notes on a scene that each of its runs keeps."""
-    law = law_range(scene.material)
-    return (*([law] if law else ()), *(WARNING + text for text in scene_warnings(scene)))
+    return (*law_ranges(scene), *(WARNING + text for text in scene_warnings(scene)))
 
 
 def on_first_rank(comm: MPI.Comm, solve: Callable[[], Run]) -> Run:
@@ -314,7 +313,7 @@ class Log:
 
     def _add_warnings(self, measured: SolidMesh) -> None:
         stretches = [(row.pressure_kpa, row.largest_stretch) for row in self.rows if row.status == "requested"]
-        self.notes += [WARNING + text for text in stretch_warnings(self.job.scene.material, stretches)]
+        self.notes += [WARNING + text for text in stretch_warnings(self.job.scene, stretches)]
         cells = mesh_quality(measured).boundary_only_cells
         if cells:
             self.notes.append(f"{WARNING}{cells} cells have all corners on the boundary: they lock")

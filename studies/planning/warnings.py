@@ -49,9 +49,11 @@ UNKNOWN_FROM_STRETCH = 4.0
 
 def scene_warnings(scene: Scene) -> tuple[str, ...]:
     """What in a scene looks like another unit, a sentence each; empty where nothing does."""
-    modulus = 1e3 * law_of(scene.material).initial_shear_modulus_mpa
+    every = materials_of(scene)
+    modulus = min(1e3 * law_of(of).initial_shear_modulus_mpa for of in every.values())  # others may be stiff layers
     found = [] if scene.geometry.kind == "cook" else modulus_warnings(modulus)  # a published problem, in MPa
-    found += kappa_warnings(scene.material.kappa_over_mu)
+    for key, of in every.items():
+        found += kappa_warnings(of.kappa_over_mu, key)
     if isinstance(scene, BellowsScene):
         g = scene.geometry
         found += load_warnings(abs(scene.loads_kpa[-1]), modulus, "load.pressure_kpa")
@@ -62,6 +64,12 @@ def scene_warnings(scene: Scene) -> tuple[str, ...]:
         section = math.pi * g.wall_mm * (2.0 * g.root_radius_mm + g.wall_mm)
         return tuple(found + force_warnings(scene.load.tip_force_n, 1e-3 * modulus * section))
     return tuple(found + _body_warnings(scene, modulus))
+
+
+def materials_of(scene: Scene) -> dict[str, AnyMaterial]:
+    """The materials of a scene by their keys."""
+    others = scene.materials if isinstance(scene, BodyScene) else {}
+    return {"material": scene.material, **{f"materials.{name}": of for name, of in others.items()}}
 
 
 def _body_warnings(scene: BodyScene, modulus_kpa: float) -> list[str]:
@@ -116,17 +124,17 @@ def load_warnings(highest_kpa: float, modulus_kpa: float, key: str, least: float
     ]
 
 
-def kappa_warnings(kappa_over_mu: float) -> list[str]:
-    """Of the bulk modulus relative to the initial shear modulus."""
+def kappa_warnings(kappa_over_mu: float, key: str = "material") -> list[str]:
+    """Of the bulk modulus relative to the initial shear modulus, and the key of its material."""
     if kappa_over_mu < LEAST_KAPPA:
         poisson = (3.0 * kappa_over_mu - 2.0) / (6.0 * kappa_over_mu + 2.0)
         return [
-            f"material.kappa_over_mu = {kappa_over_mu:g}: Poisson's ratio {poisson:.4g}, silicones have 1000 and more; "
+            f"{key}.kappa_over_mu = {kappa_over_mu:g}: Poisson's ratio {poisson:.4g}, silicones have 1000 and more; "
             "inf is incompressible"
         ]
     if LARGEST_KAPPA < kappa_over_mu < math.inf:
         return [
-            f"material.kappa_over_mu = {kappa_over_mu:g}: a ratio; was the bulk modulus itself given? inf is "
+            f"{key}.kappa_over_mu = {kappa_over_mu:g}: a ratio; was the bulk modulus itself given? inf is "
             "incompressible"
         ]
     return []
@@ -182,16 +190,36 @@ def law_range(material: AnyMaterial) -> str:
     return f"{LAW}stable up to stretch {told}: a path that comes there stops"
 
 
-def stretch_warnings(material: AnyMaterial, stretches: Sequence[tuple[float, float]]) -> list[str]:
+def law_ranges(scene: Scene) -> list[str]:
+    """`law_range` of the materials of a scene that soften, each with its key where there are several."""
+    every = materials_of(scene)
+    told = {key: law_range(of) for key, of in every.items()}
+    keyed = len(every) > 1
+    return [text.replace(LAW, f"{LAW}{key} is ", 1) if keyed else text for key, text in told.items() if text]
+
+
+def stretch_warnings(scene: Scene, stretches: Sequence[tuple[float, float]]) -> list[str]:
     """What was stretched beyond the silicone's elongation at break, or the law's data, a sentence each.
+
+    Of several materials, the largest stretch may be in any: each is told with its key.
 
     Parameters
     ----------
-    material
-        The scene's material.
+    scene
+        The scene.
     stretches
         Loads, kPa, in order, and the largest stretch at each.
     """
+    every = materials_of(scene)
+    return [
+        f"{text}; if it is in {key}" if len(every) > 1 else text
+        for key, material in every.items()
+        for text in _material_stretches(material, stretches)
+    ]
+
+
+def _material_stretches(material: AnyMaterial, stretches: Sequence[tuple[float, float]]) -> list[str]:
+    """The same of one material."""
     silicone, known = silicone_of(law_of(material)), material.data_to_stretch
     found = []
     if silicone is not None and (first := _first(stretches, silicone.stretch_at_break)):

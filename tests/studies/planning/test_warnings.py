@@ -9,7 +9,7 @@ import pytest
 
 from studies.planning import warnings
 from studies.planning.planner import describe, make_plan
-from studies.planning.warnings import law_range, scene_warnings, stretch_warnings
+from studies.planning.warnings import law_range, law_ranges, scene_warnings, stretch_warnings
 from studies.scene.load import load_scene
 from studies.scene.materials import NeoHookeMaterial, YeohMaterial
 
@@ -109,22 +109,33 @@ def test_bounds(function, fine, odd) -> None:
     assert all(len(function(*values)) == 1 for values in odd)
 
 
-def test_stretches_beyond_what_is_known() -> None:
-    ten = YeohMaterial(law="yeoh", c_kpa=[36.0, 2.5, 0.23])
+def test_stretches_beyond_what_is_known(tmp_path: Path) -> None:
+    ten = load_scene(T1)
     assert stretch_warnings(ten, [(10.0, 2.0), (20.0, 3.9)]) == []
     (unknown,) = stretch_warnings(ten, [(10.0, 2.0), (20.0, 4.2), (40.0, 6.0)])
     assert "the largest stretch is 4.2 at 20 kPa, to 6 at 40 kPa" in unknown and "unknown" in unknown
     assert unknown.endswith("Dragon Skin 10 breaks at 11")
     broken, also = stretch_warnings(ten, [(100.0, 11.5)])
-    assert (
-        "Dragon Skin 10 breaks at 11 (elongation at break 1000 %" in broken
-        and "unknown" in also
-        and "breaks" not in also
-    )
-    told = ten.model_copy(update={"data_to_stretch": 5.0})
+    assert "Dragon Skin 10 breaks at 11 (elongation at break 1000 %" in broken
+    assert "unknown" in also and "breaks" not in also
+    thirty = load_scene(ROOT / "scenes" / "heung-t2-ri5.toml")
+    assert "Dragon Skin 30 breaks at 4.64 (elongation at break 364 %" in stretch_warnings(thirty, [(60.0, 4.7)])[0]
+    told = load_scene(changed(tmp_path, T1, (CONSTANTS, CONSTANTS + "\ndata_to_stretch = 5.0\n#")))
     (beyond,) = stretch_warnings(told, [(20.0, 4.9), (40.0, 5.5)])
     assert "5.5 at 40 kPa" in beyond and "which go to 5" in beyond
     assert stretch_warnings(told, [(20.0, 4.9)]) == []
+
+
+def test_several_materials_are_told_by_their_keys() -> None:
+    soft, layer = YeohMaterial(law="yeoh", c_kpa=[36.0, -3.0, 0.1]), NeoHookeMaterial(law="neo-hooke", mu_kpa=5e4)
+    scene = load_scene(SMALL / "mesh.toml").model_copy(update={"materials": {"soft": soft, "layer": layer}})
+    assert scene_warnings(scene) == ()  # a stiff layer is none of another unit
+    (text,) = law_ranges(scene)
+    assert text.startswith("law: materials.soft is stable up to stretch 2.4 (uniaxial), 1.71 (equib")
+    told = stretch_warnings(scene, [(10.0, 4.2)])
+    assert [t.rpartition("; ")[2] for t in told] == [
+        f"if it is in {k}" for k in ("material", "materials.soft", "materials.layer")
+    ]
 
 
 def test_range_of_a_law_is_told_only_where_there_is_one() -> None:
