@@ -28,6 +28,9 @@ OUT_OF_CORE = 3
 TOO_LITTLE_WORKSPACE = (-8, -9, -14, -15, -20)
 TOO_LITTLE_MEMORY = (-13, -19)
 
+# PETSC_ERR_MEM.
+PETSC_OUT_OF_MEMORY = 55
+
 
 class Factored(Protocol):
     """What has a tangent to factor: a `solvers.problem.Problem`, or a harmonic about its state."""
@@ -51,6 +54,14 @@ class Factored(Protocol):
 class Factor:
     """Factorisation of a problem's tangent, LDL' if it is symmetric, else LU; analysis is done once.
 
+    Parameters
+    ----------
+    problem
+        What has the tangent.
+    may_float
+        True if motions may cost nothing, as a drift or a spin of what is held in its symmetry only: they are not
+        counted, and solutions have none of them. Otherwise a singular tangent is a failure.
+
     Attributes
     ----------
     count
@@ -61,8 +72,8 @@ class Factor:
         How far up LADDER the factorisation had to go for want of memory.
     """
 
-    def __init__(self, problem: Factored) -> None:
-        self.problem = problem
+    def __init__(self, problem: Factored, may_float: bool = False) -> None:
+        self.problem, self.may_float = problem, may_float
         with problem.timer("pattern"):
             self.matrix = problem.new_matrix()
         self.count = 0
@@ -95,11 +106,21 @@ class Factor:
         self.matrix.destroy()
 
     def _factorise(self) -> tuple[int, int]:
-        """One attempt; MUMPS's INFOG(1) and INFOG(2)."""
-        if self.solver is None:
-            self.solver = self._new_solver()
-        self.solver.setOperators(self.matrix)
-        self.solver.getPC().setUp()
+        """One attempt; MUMPS's INFOG(1) and INFOG(2).
+
+        Raises
+        ------
+        StepFailed
+            If PETSc itself fails, as where it has no memory for its own part.
+        """
+        try:
+            if self.solver is None:
+                self.solver = self._new_solver()
+            self.solver.setOperators(self.matrix)
+            self.solver.getPC().setUp()
+        except PETSc.Error as error:
+            cause = Cause.OUT_OF_MEMORY if error.ierr == PETSC_OUT_OF_MEMORY else Cause.LINEAR_SOLVER
+            raise StepFailed(f"PETSc failed to factor the tangent: {error}", cause) from error
         factor = self.solver.getPC().getFactorMatrix()
         return factor.getMumpsInfog(1), factor.getMumpsInfog(2)
 
@@ -139,7 +160,7 @@ class Factor:
         assert self.solver is not None
         factor = self.solver.getPC().getFactorMatrix()
         self.negatives, free = factor.getMumpsInfog(12), factor.getMumpsInfog(28)
-        if free:
+        if free and not self.may_float:
             raise StepFailed(f"the tangent is singular: motions that cost nothing: {free}", Cause.LINEAR_SOLVER)
 
     @property
