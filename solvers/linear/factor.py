@@ -54,14 +54,6 @@ class Factored(Protocol):
 class Factor:
     """Factorisation of a problem's tangent, LDL' if it is symmetric, else LU; analysis is done once.
 
-    Parameters
-    ----------
-    problem
-        What has the tangent.
-    may_float
-        True if motions may cost nothing, as a drift or a spin of what is held in its symmetry only: they are not
-        counted, and solutions have none of them. Otherwise a singular tangent is a failure.
-
     Attributes
     ----------
     count
@@ -72,8 +64,8 @@ class Factor:
         How far up LADDER the factorisation had to go for want of memory.
     """
 
-    def __init__(self, problem: Factored, may_float: bool = False) -> None:
-        self.problem, self.may_float = problem, may_float
+    def __init__(self, problem: Factored) -> None:
+        self.problem = problem
         with problem.timer("pattern"):
             self.matrix = problem.new_matrix()
         self.count = 0
@@ -160,7 +152,7 @@ class Factor:
         assert self.solver is not None
         factor = self.solver.getPC().getFactorMatrix()
         self.negatives, free = factor.getMumpsInfog(12), factor.getMumpsInfog(28)
-        if free and not self.may_float:
+        if free:
             raise StepFailed(f"the tangent is singular: motions that cost nothing: {free}", Cause.LINEAR_SOLVER)
 
     @property

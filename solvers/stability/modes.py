@@ -76,7 +76,7 @@ class ModeCounter:
     def __init__(self, problem: Problem, waves: Sequence[int] = WAVES) -> None:
         self.problem, self.waves = problem, tuple(waves)
         self.harmonics = Harmonics(problem)
-        self.factor = Factor(self.harmonics, may_float=True)
+        self.factor = Factor(self.harmonics)
 
     def count(self, state: State, waves: int) -> int:
         """Unstable modes of a harmonic at held pressure about a converged state.
