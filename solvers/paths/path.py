@@ -96,7 +96,7 @@ def follow_path(
         follower.adapt(walk, aim, max(item.newton.iterations for item in found))
         if on_step is not None:
             on_step(walk.memory())
-        if walk.here.volume_mm3 > settings.largest_volume * problem.volume_unit_mm3:
+        if walk.here.volume_mm3 - problem.volume_start_mm3 > settings.largest_volume * problem.volume_unit_mm3:
             if walk.reached < len(follower.targets):
                 highest = max((point_of(s) for s in states), key=lambda p: p.pressure_mpa)
                 asked = follower.targets[walk.reached]

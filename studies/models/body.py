@@ -210,5 +210,7 @@ def _measured(scene: BodyScene, mesh: SolidMesh, folder: Path, run: Run) -> dict
         if saved is not None:
             out[row.pressure_kpa] = {name: function(saved[0]) for name, function in functions.items()}
             if scene.geometry.kind == "mesh":
-                out[row.pressure_kpa]["volume_mm3"] = row.volume_mm3
+                held = {"tip_force_n": scene.load.tip == "blocked", "reaction_n": not math.isnan(row.reaction_n)}
+                out[row.pressure_kpa] |= {"volume_mm3": row.volume_mm3}
+                out[row.pressure_kpa] |= {name: getattr(row, name) for name, is_held in held.items() if is_held}
     return out
