@@ -198,6 +198,8 @@ def _residual(problem: Problem, control: Control) -> _Residual:
     load = max(abs(pressure), 1e-3 * problem.shear_modulus_mpa) * np.sqrt(sums[2])
     if problem.bonded is not None:
         load = np.hypot(load, problem.bonded.dead_force_n)
+    if load == 0.0:
+        raise StepFailed("the load acts on nothing that is free to move: look which surfaces are loaded and held")
     error = np.sqrt(sums[0] + on_bodies @ on_bodies) / load + np.sqrt(sums[1]) / problem.volume_scale
     error += control.error(problem)
     return _Residual((residual, on_bodies), unit_load, gradient, float(error))
