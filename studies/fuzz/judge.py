@@ -31,7 +31,7 @@ from studies.scene.load import Scene, load_scene
 Verdict = Literal["right", "refused", "stopped", "wrong", "crash", "time out"]
 VERDICTS: Final[tuple[Verdict, ...]] = ("right", "refused", "stopped", "wrong", "crash", "time out")
 # What Python, numpy or a library say when nobody has caught it, whatever the exit code.
-LEAKED: Final = re.compile(r"Traceback|\w*(?:Warning|Error):|PETSC ERROR|Segmentation")
+LEAKED: Final = re.compile(r"Traceback|File \"[^\"]*\", line|\w*(?:Warning|Error):|PETSC ERROR|Segmentation")
 # Errors that were caught and passed on without a reason of one's own.
 NAMELESS: Final = re.compile(
     r"division by zero|NoneType|out of bounds|out of range for|not subscriptable|unexpected keyword|zero-size array|"
