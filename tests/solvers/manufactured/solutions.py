@@ -22,16 +22,16 @@ Map = Callable[[np.ndarray], np.ndarray]
 # ---- the chosen deformations -----------------------------------------------------------------------------
 
 
-def _along(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _along(z: np.ndarray, strain: float) -> tuple[np.ndarray, np.ndarray]:
     """A stretch along the axis, t(z) and t'(z), that leaves both ends where they are."""
     turn = 2.0 * np.pi / HEIGHT_MM
-    return z + 0.15 * np.sin(turn * z) / turn, 1.0 + 0.15 * np.cos(turn * z)
+    return z + strain * np.sin(turn * z) / turn, 1.0 + strain * np.cos(turn * z)
 
 
 def isochoric_ring(x: np.ndarray) -> np.ndarray:
     """``(r^2, z) -> ((r^2 + a) / t', t)``: the determinant in (r^2, z) is 1; both end planes stay."""
     r, z = x[..., 0], x[..., 1]
-    t, slope = _along(z)
+    t, slope = _along(z, 0.15)
     return np.stack([r * np.sqrt((1.0 + 0.35 * np.sin(np.pi * z / HEIGHT_MM) / r**2) / slope), t], axis=-1)
 
 
@@ -44,7 +44,7 @@ def swollen_ring(x: np.ndarray) -> np.ndarray:
 def isochoric_rod(x: np.ndarray) -> np.ndarray:
     """``(r^2, z) -> (r^2 / t', t)`` and then ``(w, z) -> (w + c w^2 / 2, z / (1 + c w))``: axis and bottom stay."""
     r, z = x[..., 0], x[..., 1]
-    t, slope = _along(z)
+    t, slope = _along(z, 0.15)
     w = r**2 / slope
     return np.stack([r * np.sqrt((1.0 + 0.2 * w) / slope), t / (1.0 + 0.4 * w)], axis=-1)
 
@@ -52,8 +52,8 @@ def isochoric_rod(x: np.ndarray) -> np.ndarray:
 def isochoric_quarter(x: np.ndarray) -> np.ndarray:
     """``(x s, y / (s t'), t)`` with s of z: all four planes stay."""
     x, y, z = np.moveaxis(x, -1, 0)
-    t, slope = _along(z)
-    s = 1.0 + 0.15 * np.sin(np.pi * z / HEIGHT_MM)
+    t, slope = _along(z, 0.05)
+    s = 1.0 + 0.12 * np.sin(np.pi * z / HEIGHT_MM)
     return np.stack([x * s, y / (s * slope), t], axis=-1)
 
 
