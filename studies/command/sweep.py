@@ -34,8 +34,8 @@ def sweep(file: Path, out: Path) -> None:
         say(f"table: {out / 'sweep.csv'}")
         if outcome.failed or outcome.stopped:
             say(
-                f"{outcome.failed} of {outcome.scenes} scenes failed, {outcome.stopped} stopped early: the column status "
-                "says why",
+                f"{outcome.failed} of {outcome.scenes} scenes failed, {outcome.stopped} stopped early: the column "
+                "status says why",
                 err=True,
             )
         return 0 if outcome.reached else STOPPED

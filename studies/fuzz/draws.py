@@ -101,11 +101,11 @@ _3D: Final = ("axisymmetric", "sector", "full3d", "closed_form")
 # What is drawn of, with how many of a hundred.
 KINDS: Final[dict[str, tuple[int, Callable[[], st.SearchStrategy[Draw]]]]] = {
     "bellows": (32, lambda: _of_scene("bellows", scenes.bellows(), ("axisymmetric", "closed_form"))),
-    "tube": (9, lambda: _of_scene("tube", body("tube"), _3D)),
+    "tube": (10, lambda: _of_scene("tube", body("tube"), _3D)),
     "sphere": (9, lambda: _of_scene("sphere", body("sphere"), _3D)),
     "ring": (4, lambda: _of_scene("ring", body("ring"))),
     "block": (4, lambda: _of_scene("block", body("block"))),
-    "cylinder": (2, lambda: _of_scene("cylinder", body("cylinder"))),
+    "cylinder": (1, lambda: _of_scene("cylinder", body("cylinder"))),
     "cook": (3, lambda: _of_scene("cook", body("cook"))),
     "ventricle": (4, lambda: _of_scene("ventricle", body("ventricle"))),
     "mesh": (6, lambda: _of_mesh(False)),

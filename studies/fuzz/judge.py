@@ -68,7 +68,7 @@ class Outcome:
     error_percent
         Largest difference from what confirms it; NaN where there is none.
     seconds
-        Wall time, with what confirms it.
+        Of a core, with what confirms it; compilers and gmsh not counted.
     """
 
     verdict: Verdict

@@ -140,7 +140,7 @@ def page(solved: Sequence[Ended], at: Setting) -> Page:
         "confirmed": confirmed_table(solved),
         "failures": failures_table(solved),
         "seconds": duration(sum(one.result.seconds for one in solved)),
-        "limit": f"{LIMIT_S} s",
+        "limit": f"{LIMIT_S:g} s",
         "memory": f"{LIMIT_BYTES / 2**30:g} GB",
     }
     counts = ", ".join(f"{len(of(solved, verdict))} {verdict}" for verdict in VERDICTS)

@@ -169,15 +169,17 @@ def test_a_child_that_dies_costs_one_input_and_the_others_go_on(tmp_path: Path) 
     assert len(told) == 2  # both are kept
 
 
-def test_a_hang_ends_the_child_by_its_timer(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("limit", "ended_by"), [("LIMIT_S", signal.SIGPROF), ("LIMIT_CLOCK_S", signal.SIGALRM)])
+def test_what_takes_too_long_ends_the_child_by_a_timer(tmp_path: Path, limit: str, ended_by: signal.Signals) -> None:
     order = tmp_path / "order"
     order.write_bytes(pickle.dumps([Job(drawn(TUBE), tmp_path / "0.json", "key")]))
+    for_ever = "while True: pass" if limit == "LIMIT_S" else "import time; time.sleep(100)"
     code = (
-        "import sys, time, pathlib; from studies.fuzz import run; run.LIMIT_S = 1; "
-        "run.run_draw = lambda draw: time.sleep(60); run._child(pathlib.Path(sys.argv[1]))"
+        f"import sys, pathlib; from studies.fuzz import run; run.{limit} = 1.0; "
+        f"run.run_draw = lambda draw: exec({for_ever!r}); run._child(pathlib.Path(sys.argv[1]))"
     )
-    ended = mpi_children.run([sys.executable, "-c", code, str(order)], mpi_children.environment(), 60.0)
-    assert ended.code == -signal.SIGALRM
+    ended = mpi_children.run([sys.executable, "-c", code, str(order)], mpi_children.environment(), 90.0)
+    assert ended.code == -ended_by
     assert broken(ended.code, ended.error).verdict == "time out"
 
 
