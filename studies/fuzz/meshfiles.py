@@ -7,6 +7,7 @@ from typing import Final
 from hypothesis import strategies as st
 
 from meshes.bodies import tube_meridian
+from meshes.cells import CellKind
 from meshes.solid import FACETS, SolidMesh
 from studies.fuzz.scenes import Contents, asks, laws, loads, modulus_of, size
 from studies.results.provenance import ROOT
@@ -15,12 +16,13 @@ FILE: Final = "body.msh"
 # Radii of scenes/exact/octant.msh, mm, and what is asked of both bodies: the bore moves farthest.
 OCTANT_MM: Final = (5.0, 7.0)
 MOVES_MOST, BORE = "displacement_max_mm", "bore_mm"
-# Places of our nodes of a triangle in gmsh's order.
-_GMSH: Final = (0, 1, 2, 5, 3, 4)
+# By nodes of a cell: gmsh's number of the kind, and our nodes in its order.
+_GMSH: Final = {6: (9, (0, 1, 2, 5, 3, 4)), 9: (10, (0, 1, 3, 2, 4, 6, 7, 5, 8))}
 
 
 def gmsh_file(mesh: SolidMesh) -> bytes:
-    """A meridian of triangles as a gmsh file of version 2.2."""
+    """A meridian as a gmsh file of version 2.2."""
+    kind, order = _GMSH[mesh.cells.shape[1]]
     names = {int(tag): name for name, tag in FACETS.items() if tag in mesh.facet_tags}
     lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", f"{len(names) + 1}"]
     lines += [f'1 {tag} "{name}"' for tag, name in names.items()] + ['2 99 "elastomer"', "$EndPhysicalNames"]
@@ -29,7 +31,7 @@ def gmsh_file(mesh: SolidMesh) -> bytes:
     elements = [
         f"1 2 {tag} {tag} {a + 1} {b + 1}" for (a, b), tag in zip(mesh.facets.tolist(), mesh.facet_tags, strict=True)
     ]
-    elements += ["9 2 99 99 " + " ".join(str(cell[k] + 1) for k in _GMSH) for cell in mesh.cells.tolist()]
+    elements += [f"{kind} 2 99 99 " + " ".join(str(cell[k] + 1) for k in order) for cell in mesh.cells.tolist()]
     lines += ["$EndNodes", "$Elements", f"{len(elements)}", *(f"{k} {text}" for k, text in enumerate(elements, 1))]
     return "\n".join([*lines, "$EndElements", ""]).encode()
 
@@ -45,8 +47,10 @@ def meshes(draw: st.DrawFn) -> tuple[Contents, bytes, Contents]:
         twin: Contents = {"kind": "sphere", "inner_radius_mm": inner, "outer_radius_mm": outer}
     else:
         inner = draw(size(1.0, 20.0))
-        outer, length = round(inner * (1.0 + draw(size(0.1, 0.8))), 4), round(inner * draw(size(0.2, 0.6)), 4)
-        file = gmsh_file(tube_meridian(inner, outer, length, draw(st.integers(1, 3)), draw(st.integers(3, 5))))
+        outer, length = round(inner * (1.0 + draw(size(0.1, 0.8))), 4), round(inner * draw(size(0.6, 1.5)), 4)
+        cells: CellKind = draw(st.sampled_from(["triangles", "triangles", "quadrilaterals"]))
+        along, through = draw(st.integers(2, 4)), draw(st.integers(3, 5))
+        file = gmsh_file(tube_meridian(inner, outer, length, along, through, cells))
         twin = {"kind": "tube", "inner_radius_mm": inner, "outer_radius_mm": outer, "length_mm": length}
     ask = draw(asks([MOVES_MOST]))
     geometry: Contents = {"kind": "mesh", "file": FILE, "scale": 1.0}
