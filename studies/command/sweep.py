@@ -38,6 +38,12 @@ def sweep(file: Path, out: Path) -> None:
                 "status says why",
                 err=True,
             )
+        if outcome.not_met:
+            say(
+                f"{outcome.not_met} of {outcome.scenes} scenes do not hold the tolerance: the column status says what "
+                "was reached; set ask.tolerance_percent to the largest of it",
+                err=True,
+            )
         return 0 if outcome.reached else STOPPED
 
     sys.exit(guarded(str(file), work))

@@ -16,7 +16,7 @@ from meshes.errors import GeometryError
 from meshes.shape import BellowsShape
 from studies.scene.elements import Mesh, element_faults
 from studies.scene.materials import NeoHookeMaterial, OgdenMaterial, YeohMaterial, describe_material, material_faults
-from studies.scene.sections import Length, Section, Stiffness
+from studies.scene.sections import APART, Length, Section, Stiffness, is_ascending
 
 # A bond meant as rigid is a layer this stiff, MPa/mm: its slip is at most 0.003 mm at 20 kPa, and tips are within
 # 0.005 % of those with meshed PLA rings, which share their nodes with the wall (make study-paper; docs/decisions.md).
@@ -120,9 +120,10 @@ class Load(Section):
     @model_validator(mode="after")
     def _away_from_zero(self) -> Load:
         loads = [self.sense * p for p in self.pressure_kpa]
-        if loads[0] <= 0.0 or any(b <= a for a, b in zip(loads[:-1], loads[1:], strict=True)):
+        if loads[0] <= 0.0 or not is_ascending(loads):
             raise ValueError(
-                f"load.pressure_kpa = {self.pressure_kpa}: must ascend strictly from above 0, or descend from below 0"
+                f"load.pressure_kpa = {self.pressure_kpa}: must ascend strictly from above 0, or descend from below 0, "
+                f"by more than {APART:g} of each"
             )
         return self
 

@@ -45,7 +45,7 @@ from studies.scene.materials import (
     describe_material,
     material_faults,
 )
-from studies.scene.sections import Section
+from studies.scene.sections import APART, Section, is_ascending
 
 Load_kPa = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Quantity = Literal[
@@ -87,8 +87,8 @@ class BodyLoad(Section):
     def _ascending(self) -> BodyLoad:
         for name in LOAD_LISTS:
             values = getattr(self, name) or []
-            if any(b <= a for a, b in zip(values[:-1], values[1:], strict=True)):
-                raise ValueError(f"load.{name} = {values}: must ascend strictly")
+            if not is_ascending(values):
+                raise ValueError(f"load.{name} = {values}: must ascend strictly, by more than {APART:g} of each")
         return self
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_args
 
@@ -13,6 +13,9 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 Length = Annotated[float, Field(gt=0.0, le=1000.0, allow_inf_nan=False)]
 Stiffness = Annotated[float, Field(gt=0.0, le=1e4, allow_inf_nan=False)]
 Modulus = Annotated[float, Field(gt=0.0, le=1e5, allow_inf_nan=False)]
+
+# Results at two loads are told apart if the loads differ by more than this share: tables have six digits.
+APART = 1e-5
 
 
 class SceneError(ValueError):
@@ -26,6 +29,11 @@ class Section(BaseModel):
 
 
 Model = TypeVar("Model", bound=Section)
+
+
+def is_ascending(loads: Sequence[float]) -> bool:
+    """True if each of some loads is above the last by so much that their results are told apart."""
+    return all(b > a and abs(b - a) > APART * abs(b) for a, b in zip(loads[:-1], loads[1:], strict=True))
 
 
 def read_toml(path: Path) -> dict[str, Any]:
