@@ -138,7 +138,7 @@ def _of_answer(draw: Draw, ended: Ended, out: Path, solve: Solve) -> Outcome:
         return _held(scene, answers, {key: (row.reference, 0.0) for key, row in answers.items()}, "exact")
     for text in [draw.twin] if draw.twin else second_models(draw.text, draw.model):
         other, place = solve(text, "second")
-        found = {} if other.code else answers_of(load_scene(place.with_suffix(".toml")), read_rows(place / "rows.csv"))
+        found = _told(place, other.code) if other.code in (0, 3) else {}
         if draw.twin:
             found = {(MOVES_MOST, load): replace(row, value=row.reference) for (_, load), row in found.items()}
         if found.keys() >= answers.keys():
@@ -149,6 +149,14 @@ def _of_answer(draw: Draw, ended: Ended, out: Path, solve: Solve) -> Outcome:
     if coarser.keys() >= answers.keys():
         return _held(scene, answers, _values(coarser), "another mesh")
     return Outcome("wrong", f"exit 0, and nothing confirms it: {other.error[-200:]}")
+
+
+def _told(place: Path, code: int) -> dict[Key, Row]:
+    """What a second model found; of one that stopped early or missed its tolerance, values whose error it tells."""
+    if not (place / "rows.csv").exists():
+        return {}
+    found = answers_of(load_scene(place.with_suffix(".toml")), read_rows(place / "rows.csv"))
+    return {key: row for key, row in found.items() if code == 0 or math.isfinite(row.uncertainty)}
 
 
 def answers_of(scene: Scene, rows: Sequence[Row]) -> dict[Key, Row]:

@@ -19,13 +19,14 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Final, cast
 
 from solvers.atomic import write_atomically
 from studies import mpi_children
 from studies.fuzz.draws import Draw
 from studies.fuzz.judge import Ended, Outcome, judged
 from studies.fuzz.meshfiles import FILE
+from studies.planning.levels import MOST_UNKNOWNS
 from studies.results.kept import keep, read_kept
 
 # An axisymmetric run and the one that checks it take seconds of a core; this long means that one is far too large, and
@@ -35,7 +36,9 @@ LIMIT_S, LIMIT_CLOCK_S = 120.0, 1200.0
 LIMIT_BYTES: Final = 8 * 2**30
 # Inputs of a child: it starts in a second, and what one leaves behind may matter to the next.
 BATCH: Final = 20
-SCENE, SENTINEL = "scene.toml", "kept.txt"
+# Up to how many unknowns a mesh is refined for a tolerance here, instead of `studies.planning.levels.MOST_UNKNOWNS`.
+FEWER_UNKNOWNS: Final = 30_000
+SENTINEL: Final = "kept.txt"
 
 
 @dataclass(frozen=True)
@@ -156,6 +159,7 @@ def run_draw(draw: Draw) -> Outcome:
 def _child(order: Path) -> None:
     """Run the jobs of a file; timers end this process if one takes too long."""
     resource.setrlimit(resource.RLIMIT_AS, (LIMIT_BYTES, LIMIT_BYTES))
+    cast(dict[str, int], MOST_UNKNOWNS).update(dict.fromkeys(MOST_UNKNOWNS, FEWER_UNKNOWNS))
     jobs: list[Job] = pickle.loads(order.read_bytes())
     for job in jobs:
         signal.setitimer(signal.ITIMER_PROF, LIMIT_S)
