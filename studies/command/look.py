@@ -45,6 +45,7 @@ def material(scene: Path, as_json: bool) -> None:
     import numpy as np
 
     from analytical.exact.homogeneous import MODES, stress_curves
+    from studies.planning.warnings import law_range
     from studies.scene.materials import describe_material, law_of
 
     ((checked, _),) = load_scenes((scene,))
@@ -62,7 +63,7 @@ def material(scene: Path, as_json: bool) -> None:
         }
         say(json.dumps(content, indent=1))
         return
-    say(describe_material(checked.material))
+    say("\n".join(line for line in (describe_material(checked.material), law_range(checked.material)) if line))
     say(f"initial shear modulus {modulus:.4g} kPa, initial Young's modulus {3.0 * modulus:.4g} kPa")
     lines = [(f"{stretch:g}", *(f"{stresses[mode][k]:.4g}" for mode in MODES)) for k, stretch in enumerate(STRETCHES)]
     say(as_text(Table(("stretch", *(f"{mode}, nominal kPa" for mode in MODES)), tuple(lines), ())))
@@ -188,11 +189,12 @@ def _describe(found: SolidMesh) -> None:
     for region, volume in region_volumes_mm3(found).items():
         if volume:
             say(f"region {region}: {volume:.6g} mm³")
-    for name in dict.fromkeys(name for _, names in found.volumes for name in names):
-        say(f"volume {name}")
+    for number, names in found.volumes:
+        say(f"volume {' and '.join(names) or 'without a name'}: {int((found.regions == number).sum())} cells")
     for body, name in enumerate(found.rigid):
         say(f"surface {name}: {int((found.facet_bodies == body).sum())} facets, a rigid body")
     for name, number in FACETS.items():
-        count = int((found.facet_tags == number).sum())
-        if count and not (found.rigid and name == "bond"):
+        if found.rigid and name == "bond":
+            continue
+        if count := int((found.facet_tags == number).sum()):
             say(f"surface {name}: {count} facets")

@@ -329,6 +329,9 @@ def test_rigid_ring_is_the_limit_of_a_stiff_one(solved) -> None:
     assert rigid["rigid_ring_mm"][0].value == pytest.approx(at_ring[1], rel=0.01)
     assert rigid["rigid_ring_mm"][0].unit == "mm"
     assert read_path(out)[-1].bond_slip_rms_mm < 1e-5
+    told = CliRunner().invoke(main, ["mesh", str(out.parent / "part.msh")]).output
+    assert "volume rubber: 36 cells" in told
+    assert "surface rigid_ring: 5 facets, a rigid body" in told
 
 
 def test_cavity_that_a_rigid_surface_cannot_close_is_refused(solved) -> None:
