@@ -330,6 +330,12 @@ class Follower:
                 walk.switched = True
                 self._switch(walk, "pressure")
                 return True
+        # a sheet stiffens so much in its first step that the way from rest is not that of the next: one more shows it
+        from_rest = walk.control == "arc" and walk.history[0].pressure_mpa == 0.0
+        if self.settings.control == "arc" and from_rest and walk.failures > 2 and not walk.switched:
+            walk.switched = True
+            self._switch(walk, "pressure")
+            return True
         walk.step = 0.5 * min(walk.step, aim.size)
         return (
             failure.cause is not Cause.NO_RESPONSE

@@ -12,7 +12,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 Length = Annotated[float, Field(gt=0.0, le=1000.0, allow_inf_nan=False)]
 Stiffness = Annotated[float, Field(gt=0.0, le=1e4, allow_inf_nan=False)]
-Modulus = Annotated[float, Field(gt=0.0, le=1e5, allow_inf_nan=False)]
+# Up to 10 GPa: rings of plastic and layers of fabric in a mesh of the user's.
+Modulus = Annotated[float, Field(gt=0.0, le=1e7, allow_inf_nan=False)]
 
 # Results at two loads are told apart if the loads differ by more than this share: tables have six digits.
 APART = 1e-5
