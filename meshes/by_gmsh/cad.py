@@ -109,6 +109,8 @@ def mesh_solid(
 ) -> None:
     """Mesh a solid in tetrahedra of second order and write it with its named surfaces, lengths in mm.
 
+    Its volume is named ``body``; several become ``body_1``, ``body_2`` and so on.
+
     Parameters
     ----------
     path, scale, angle_deg
@@ -200,7 +202,9 @@ def _in_this_process(job: dict[str, Any]) -> dict[str, Any]:
     for name, numbers in job["names"].items():
         gmsh.model.setPhysicalName(2, gmsh.model.addPhysicalGroup(2, numbers), name)
     volumes = [tag for _, tag in gmsh.model.getEntities(3)]
-    gmsh.model.setPhysicalName(3, gmsh.model.addPhysicalGroup(3, volumes), "body")
+    for k, volume in enumerate(volumes):
+        name = "body" if len(volumes) == 1 else f"body_{k + 1}"
+        gmsh.model.setPhysicalName(3, gmsh.model.addPhysicalGroup(3, [volume]), name)
     pieces = read_pieces(gmsh) if is_stl else {}
     gmsh.model.mesh.generate(3)
     if is_stl:

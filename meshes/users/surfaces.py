@@ -64,15 +64,14 @@ def named_facets(contents: Contents, used: IntArray, dimension: int) -> tuple[In
                 f"{path}: physical {what} {group.number} has no name: name it, for instance "
                 f'Physical {what.title()}("cavity") = {{...}}; allowed: {", ".join(SURFACES)}'
             )
-        is_rigid = group.name == RIGID or group.name.startswith(f"{RIGID}_")
-        if group.name not in SURFACES and not is_rigid:
+        if group.name not in SURFACES and not is_rigid(group.name):
             near = difflib.get_close_matches(group.name.lower(), (*SURFACES, RIGID), n=1, cutoff=0.5)
             hint = f"did you mean {near[0]}? " if near else ""
             allowed = f"{', '.join(SURFACES)}, {RIGID} and {RIGID}_NAME (a rigid body each)"
             raise MeshError(f"{path}: physical {what} {group.name!r} is unknown; {hint}allowed: {allowed}")
-        if is_rigid and group.name not in rigid:
+        if is_rigid(group.name) and group.name not in rigid:
             rigid.append(group.name)
-        number = FIRST_RIGID + rigid.index(group.name) if is_rigid else FACETS[group.name]
+        number = FIRST_RIGID + rigid.index(group.name) if is_rigid(group.name) else FACETS[group.name]
         corners = _corners_of(contents, group.entities, dimension - 1)
         if not sum(map(len, corners)):
             raise MeshError(
@@ -94,10 +93,15 @@ def named_facets(contents: Contents, used: IntArray, dimension: int) -> tuple[In
     return _stacked(path, facets), np.concatenate(tags), tuple(rigid)
 
 
+def is_rigid(name: str) -> bool:
+    """True if a surface of this name moves as a rigid body."""
+    return name == RIGID or name.startswith(f"{RIGID}_")
+
+
 def rigid_bodies(tags: IntArray) -> tuple[IntArray, IntArray]:
     """Surface numbers with rigid bodies as ``bond``, and the body of each facet, -1 for none."""
-    is_rigid = tags >= FIRST_RIGID
-    return np.where(is_rigid, FACETS["bond"], tags), np.where(is_rigid, tags - FIRST_RIGID, -1)
+    of_rigid = tags >= FIRST_RIGID
+    return np.where(of_rigid, FACETS["bond"], tags), np.where(of_rigid, tags - FIRST_RIGID, -1)
 
 
 def _stacked(path: Path, facets: list[IntArray]) -> IntArray:

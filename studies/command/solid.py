@@ -9,10 +9,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from meshes.by_gmsh.cad import Solid, mesh_solid
-from meshes.by_gmsh.user_mesh import SURFACES, read_user_mesh
+from meshes.by_gmsh.user_mesh import read_user_mesh
 from meshes.errors import MeshError
 from meshes.quality import region_volumes_mm3
 from meshes.solid import SolidMesh
+from meshes.users.surfaces import RIGID, SURFACES, is_rigid
 from studies.command.common import check_writable, say
 from studies.report.pictures.surfaces import draw_surfaces
 from studies.report.tables import Table, as_text
@@ -62,8 +63,8 @@ def parse_names(given: Sequence[str], solid: Solid) -> dict[str, tuple[int, ...]
     names: dict[str, tuple[int, ...]] = {}
     for text in given:
         name, _, listed = text.partition("=")
-        if name not in SURFACES or name == "axis":
-            allowed = ", ".join(n for n in SURFACES if n != "axis")
+        if not (name in SURFACES or is_rigid(name)) or name == "axis":
+            allowed = ", ".join([*(n for n in SURFACES if n != "axis"), RIGID, f"{RIGID}_NAME"])
             raise MeshError(f"--name {text}: {name!r} is unknown; allowed: {allowed}")
         if not listed or not all(word.strip().isdigit() for word in listed.split(",")):
             raise MeshError(f"--name {text}: give numbers of surfaces, as in --name {name}=1,2")

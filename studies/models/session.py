@@ -16,7 +16,9 @@ from solvers.errors import SolverError
 from studies.models.axisymmetric import run_axisymmetric
 from studies.models.closed_form import run_closed_form
 from studies.models.full3d import SolidModel, run_full3d
-from studies.models.modes import COUNTED_LEVELS, WARNING
+from studies.models.modes import COUNTED_LEVELS
+from studies.models.modes import WARNING as UNSTABLE
+from studies.models.run_log import WARNING, scene_notes
 from studies.models.tolerance import Shortfall, asked_of, finer_body, first_body, marked, shortfalls, until_good_enough
 from studies.models.tolerance import sentence as shortfall_sentence
 from studies.planning.bodies import models_of
@@ -24,6 +26,7 @@ from studies.planning.error_model import MERIDIAN_SHARE
 from studies.planning.levels import MODELS, BodyLevel, fineness, ranking
 from studies.planning.plan import Plan
 from studies.planning.planner import make_plan
+from studies.planning.warnings import LAW
 from studies.progress import Progress
 from studies.results.bellows_rows import bellows_rows
 from studies.results.expectations import expectation_rows, sentence
@@ -102,9 +105,11 @@ class SceneResult(Generic[SceneKind]):
         return tuple(r for r in self.rows if r.quantity in self.scene.quantities)
 
     @property
-    def unstable(self) -> tuple[str, ...]:
-        """Harmonics that the axisymmetric states lose, a sentence each."""
-        return tuple(n for run in self.axisymmetric for n in run.summary.plan if n.startswith(WARNING))
+    def warnings(self) -> tuple[str, ...]:
+        """The range of a law that softens, warnings of the answer, harmonics that axisymmetric states lose."""
+        own = scene_notes(self.scene) if self.answer is None else self.answer.summary.plan
+        unstable = [n for run in self.axisymmetric for n in run.summary.plan if n.startswith(UNSTABLE)]
+        return tuple(dict.fromkeys([*(n for n in own if n.startswith((LAW, WARNING))), *unstable]))
 
     @property
     def remark(self) -> str:

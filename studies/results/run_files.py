@@ -31,6 +31,7 @@ class PathRow:
     tip, minus the scene's dead force (which is positive when it pulls). ``reaction_n`` is that of the support on the
     actuator, so that ``reaction_n + P A = tip_force_n`` with the inlet's area A. ``control`` says what was held in the
     solve; ``status`` is ``requested`` for states at requested pressures, ``step`` for those between.
+    ``largest_stretch`` is that of the elastomer at quadrature points, corners where it is singular included.
     ``residual`` is that of the accepted state relative to its load: above 1e-8 where it had stalled
     (`solvers.equilibrium.newton.NewtonSettings`).
     """
@@ -52,6 +53,7 @@ class PathRow:
     status: str
     bond_slip_rms_mm: float
     residual: float = math.nan
+    largest_stretch: float = math.nan
 
 
 @dataclass(frozen=True)

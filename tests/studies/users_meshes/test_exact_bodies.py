@@ -134,3 +134,20 @@ def test_first_order_cells_with_flat_faces_are_solved_in_second_order(
     moved = np.array([4.0, 2.0, 4.0]) * np.array([stretch - 1.0] + [stretch**-0.5 - 1.0] * 2)
     for row in rows:
         assert row.value == pytest.approx(math.sqrt(moved @ moved), rel=1e-6)
+
+
+def test_a_tolerance_is_met_on_divided_cells(by_gmsh, scene, run, tmp_path, monkeypatch) -> None:
+    by_gmsh(SPHERE.format(off="0"), dimension=2)
+    text = scene.read_text(encoding="utf-8") + "tolerance_percent = 0.002\n"
+    scene.write_text(text, encoding="utf-8")
+    rows = answers(run, scene, tmp_path)
+    assert [row.level for row in rows] == ["m1", "m2", "m4", "m8"][: len(rows)]
+    assert len(rows) > 2
+    exact = sphere_bore_mm(scene)
+    assert rows[0].uncertainty > 2e-5 * exact > rows[-1].uncertainty
+    # the shape of the given mesh stays: parabolas for arcs, 1e-6 of the radius
+    assert all(abs(row.value - exact) <= row.uncertainty + 1e-5 * exact for row in rows)
+    monkeypatch.setattr("studies.planning.bodies.MOST_UNKNOWNS", {"axisymmetric": 1000, "full3d": 1000})
+    planned = run("plan", scene).output
+    assert "m2" not in planned
+    assert "a refined mesh, without which ± is not known" in planned

@@ -94,8 +94,11 @@ def test_meshed_with_names_and_in_other_units(run, tmp_path: Path, ending: str, 
 def test_a_scene_takes_it(run, scene, tmp_path: Path) -> None:
     solid = made(tmp_path / "tube.step")
     named = ["--name", f"cavity={numbers(solid, 5.1)}", "--name", f"clamped={flat_at(solid, 0.0)}"]
+    named += ["--name", f"rigid_end={flat_at(solid, 20.0)}"]
     result = run("mesh", solid, *named, "--size", 4.0, "--out", tmp_path / "part.msh")
     assert result.exit_code == 0, result.output
+    assert re.search(r"surface rigid_end: \d+ facets, a rigid body", result.output)
+    assert "surface bond" not in result.output
     result = run("solve", scene, "--out", tmp_path / "out")
     assert result.exit_code == 0, result.output
     (given, refined) = [r for r in read_rows(tmp_path / "out" / "rows.csv") if r.quantity == "displacement_max_mm"]
@@ -110,6 +113,7 @@ def test_solids_that_touch_are_joined_and_parts_apart_refused(run, tmp_path: Pat
     box = "occ.addBox(-1, -1, 20, 2, 2, 2)"
     result = meshed(made(tmp_path / "two.step", box), tmp_path / "two.msh")
     assert result.exit_code == 0, result.output
+    assert "volume body_1\nvolume body_2\n" in result.output
     assert region_volumes_mm3(read_user_mesh(tmp_path / "two.msh"))["elastomer"] == pytest.approx(
         TUBE_MM3 + 8.0, rel=1e-4
     )
