@@ -49,6 +49,7 @@ def write_checkpoint(path: Path, label: str, memory: PathMemory | GuessMemory, n
             "control": memory.control,
             "step": memory.step,
             "stiffest_mpa_per_mm3": memory.stiffest_mpa_per_mm3,
+            "limit_mpa": memory.limit_mpa,
         }
     else:
         states = [memory.last.state, memory.guess]
@@ -100,6 +101,7 @@ def read_checkpoint(path: Path, label: str) -> tuple[PathMemory | GuessMemory, A
             facts["rejected"],
             facts["stiffest_mpa_per_mm3"],
             crossing,
+            facts["limit_mpa"],
         )
     else:
         memory = GuessMemory(points[0], states[1], facts["reached"], facts["share"], facts["rejected"], crossing)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from solvers.equilibrium.controls import Control, HeldLoad, HeldVolume
 from solvers.equilibrium.newton import solve_equilibrium
@@ -29,6 +29,9 @@ from solvers.paths.states import (
 from solvers.problem import Problem
 from solvers.state import State
 
+# A pressure that is lower by more than this share of the highest asked one has fallen.
+FALL = 1e-6
+
 
 @dataclass
 class Walk:
@@ -41,6 +44,7 @@ class Walk:
     rejected: int
     stiffest: float
     crossing: Crossing | None
+    limit_mpa: float = math.nan
     failures: int = 0
     switched: bool = False
 
@@ -52,7 +56,14 @@ class Walk:
     def memory(self) -> PathMemory:
         """What is needed to go on from here."""
         return PathMemory(
-            tuple(self.history), self.control, self.step, self.reached, self.rejected, self.stiffest, self.crossing
+            tuple(self.history),
+            self.control,
+            self.step,
+            self.reached,
+            self.rejected,
+            self.stiffest,
+            self.crossing,
+            self.limit_mpa,
         )
 
 
@@ -92,6 +103,11 @@ class Follower:
             "pressure": settings.largest_pressure_step * self.unit["pressure"],
             "arc": settings.largest_arc_step,
         }
+
+    def largest_step(self, walk: Walk, control: ControlName) -> float:
+        """Size of the largest step under a control."""
+        beyond = control == "volume" and not math.isnan(walk.limit_mpa)
+        return max(self.largest[control], self.settings.growth_beyond * walk.here.volume_mm3 if beyond else 0.0)
 
     def first_step(self, control: ControlName) -> float:
         """Size of the first step under a control."""
@@ -153,7 +169,7 @@ class Follower:
             control = plane_at(problem, walk.here.state, aim.guess, self.scale)
         report = solve_equilibrium(problem, self.factor, settings, control, seen)
         if aim.control == "pressure" and walk.control != "arc":
-            self.stayed_on_the_path(walk.here)
+            self.stayed_on_the_path(walk)
         if walk.control == "arc":
             refuse_far(aim.guess, problem.get_state(), aim.size, self.scale)
         item = record(problem, report, aim.asked, aim.control, self.begin)
@@ -161,16 +177,16 @@ class Follower:
             refuse_jump(walk.here, point_of(item))
         return item
 
-    def stayed_on_the_path(self, here: PathPoint) -> None:
+    def stayed_on_the_path(self, walk: Walk) -> None:
         """Refuse a solution at a pressure that lies behind the last state or may lie beyond a snap-through.
 
         Between two limit points the path turns back in pressure, and a step in pressure jumps over that part without
         a sign. So it may not change the volume by more than twice the largest step that volume control would take.
         """
-        change = self.problem.cavity_volume() - here.volume_mm3
+        change = self.problem.cavity_volume() - walk.here.volume_mm3
         if change < -1e-9 * self.unit["volume"]:
             raise StepFailed("pressure control fell back to a smaller volume")
-        if change > 2.0 * self.largest["volume"]:
+        if change > 2.0 * self.largest_step(walk, "volume"):
             raise StepFailed("a step in pressure changed the volume by more than could be followed")
 
     def step(self, walk: Walk, aim: Aim) -> list[PathState]:
@@ -192,19 +208,27 @@ class Follower:
 
     # ---- after a step ----------------------------------------------------------------------------------
 
-    def keep(self, walk: Walk, item: PathState) -> None:
-        """Take a converged state into the walk; a change of its stability is located."""
+    def keep(self, walk: Walk, item: PathState) -> PathState:
+        """Take a converged state into the walk; a change of its stability is located.
+
+        Returns the state with the limit point that the path has passed.
+        """
         new = point_of(item)
         if walk.crossing is None and self.settings.crossing_tolerance > 0.0 and lost_stability(walk.here, new):
             newton, tolerance = self.settings.newton, self.settings.crossing_tolerance
             along = self.scale if walk.control == "arc" else None
             walk.crossing = locate_crossing(self.problem, self.factor, newton, walk.here, new, tolerance, along)
+        if math.isnan(walk.limit_mpa) and walk.here.pressure_mpa - new.pressure_mpa > FALL * self.unit["pressure"]:
+            found = walk.crossing
+            known = found is not None and found.kind is Cause.LIMIT_POINT
+            walk.limit_mpa = found.pressure_mpa if found and known else walk.here.pressure_mpa
         # nearly coincident states would spoil the extrapolation
         while len(walk.history) > 1 and self.gone(walk.here, new, walk.control) < 0.05 * walk.step:
             walk.history.pop()
         walk.history.append(new)
         del walk.history[:-3]
         walk.reached += item.asked
+        return replace(item, limit_mpa=walk.limit_mpa)
 
     def gone(self, here: PathPoint, new: PathPoint, control: ControlName) -> float:
         """From a state to another, in what the steps are taken in."""
@@ -221,7 +245,7 @@ class Follower:
         if iterations > settings.many_iterations:
             walk.step *= settings.shrink
         elif iterations <= settings.few_iterations and (not aim.asked or aim.size >= 0.99 * walk.step):
-            walk.step = min(walk.step * settings.growth, self.largest[walk.control])
+            walk.step = min(walk.step * settings.growth, self.largest_step(walk, walk.control))
         if not self._volume_responds(walk):
             return  # dP/dV says nothing
         walk.stiffest = max(walk.stiffest, walk.here.slope_mpa_per_mm3)
@@ -250,7 +274,7 @@ class Follower:
         walk.control = control
         size = self.gone(walk.history[0 if len(walk.history) == 1 else -2], walk.here, control)
         least = self.settings.smallest_step * self.unit[control]
-        walk.step = min(size, self.largest[control]) if size > least else self.first_step(control)
+        walk.step = min(size, self.largest_step(walk, control)) if size > least else self.first_step(control)
 
     def retry(self, walk: Walk, aim: Aim, failure: StepFailed) -> bool:
         """Make the next try after a failed step smaller or of the other kind; False if there is none left."""

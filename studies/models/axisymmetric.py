@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
 from mpi4py import MPI
@@ -85,6 +86,5 @@ def _solve(scene: BellowsScene, refinement: int, folder: Path, progress: Progres
 
 def _settings(scene: BellowsScene) -> PathSettings:
     """Step control; a vacuum takes small steps, as it can take from a cavity no more than it holds."""
-    if scene.load.sense < 0.0:
-        return PathSettings(control=scene.load.control, first_step=0.02, largest_step=0.05)
-    return PathSettings(control=scene.load.control)
+    settings = PathSettings(control=scene.load.control, largest_volume=scene.load.largest_volume)
+    return replace(settings, first_step=0.02, largest_step=0.05) if scene.load.sense < 0.0 else settings

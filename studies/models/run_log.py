@@ -41,7 +41,7 @@ from studies.results.run_files import (
     write_path,
     write_summary,
 )
-from studies.results.runs import Run, run_hash
+from studies.results.runs import Run, farthest_kpa, run_hash
 from studies.scene.load import Scene
 
 CHECKPOINT_FILE, MODE_FILE = "checkpoint.npz", "critical_mode"
@@ -272,8 +272,7 @@ class Log:
             self._file.unlink(missing_ok=True)
         summary = self.comm.bcast(summary)
         assert summary is not None
-        last = self.rows[-1].pressure_kpa if self.rows else 0.0
-        how = "reached" if path.reached else f"stopped at {last:.2f} kPa: {summary.reason}"
+        how = "reached" if path.reached else f"stopped at {farthest_kpa(self.rows):.2f} kPa: {summary.reason}"
         job.progress.end(
             f"{job.label}: {how}; {summary.dofs} unknowns, {made} factorisations, {summary.time_s['total']:.1f} s"
         )
@@ -312,6 +311,7 @@ def path_row(item: PathState, tip: Tip | None, parts: int = 1, sense: float = 1.
         wall_s=item.wall_s,
         status="requested" if item.asked else "step",
         bond_slip_rms_mm=item.bond_slip_mm,
+        limit_kpa=sense * 1e3 * item.limit_mpa,
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import zipfile
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -28,7 +29,8 @@ class PathRow:
     ``tip_force_n`` is the axial force of the actuator on what holds or loads its tip, positive outwards: 0 for a free
     tip, minus the scene's dead force (which is positive when it pulls). ``reaction_n`` is that of the support on the
     actuator, so that ``reaction_n + P A = tip_force_n`` with the inlet's area A. ``control`` says what was held in the
-    solve; ``status`` is ``requested`` for states at requested pressures, ``step`` for those between.
+    solve; ``status`` is ``requested`` for states at requested pressures, ``step`` for those between. ``limit_kpa`` is
+    the pressure of the limit point that the path has passed before the state, from which a body under pressure snaps.
     """
 
     pressure_kpa: float
@@ -47,6 +49,7 @@ class PathRow:
     wall_s: float
     status: str
     bond_slip_rms_mm: float
+    limit_kpa: float = math.nan
 
 
 @dataclass(frozen=True)

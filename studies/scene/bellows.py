@@ -16,7 +16,7 @@ from meshes.errors import GeometryError
 from meshes.shape import BellowsShape
 from studies.scene.elements import Mesh, element_faults
 from studies.scene.materials import NeoHookeMaterial, OgdenMaterial, YeohMaterial, describe_material, material_faults
-from studies.scene.sections import Length, Section, Stiffness
+from studies.scene.sections import LARGEST_VOLUME, LargestVolume, Length, Section, Stiffness
 
 # A bond meant as rigid is a layer this stiff, MPa/mm: its slip is at most 0.003 mm at 20 kPa, and tips are within
 # 0.005 % of those with meshed PLA rings, which share their nodes with the wall (make study-paper; docs/decisions.md).
@@ -116,6 +116,7 @@ class Load(Section):
     control: Literal["auto", "pressure", "volume", "arc"] = "auto"
     tip: Literal["free", "blocked"] = "free"
     tip_force_n: Annotated[float, Field(allow_inf_nan=False)] = 0.0
+    largest_volume: LargestVolume = LARGEST_VOLUME  # the path ends at so many times the unloaded volume
 
     @model_validator(mode="after")
     def _away_from_zero(self) -> Load:

@@ -45,7 +45,7 @@ from studies.scene.materials import (
     describe_material,
     material_faults,
 )
-from studies.scene.sections import Section
+from studies.scene.sections import LARGEST_VOLUME, LargestVolume, Section
 
 Load_kPa = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Quantity = Literal[
@@ -82,6 +82,7 @@ class BodyLoad(Section):
     traction_kpa: Annotated[list[Load_kPa], Field(min_length=1)] | None = None
     twist_rad_per_mm: Annotated[float, Field(ge=-1.0, le=1.0)] | None = None
     control: Literal["auto", "pressure", "volume", "arc"] = "auto"
+    largest_volume: LargestVolume = LARGEST_VOLUME  # the path ends at so many times the unloaded volume
 
     @model_validator(mode="after")
     def _ascending(self) -> BodyLoad:

@@ -13,6 +13,10 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 Length = Annotated[float, Field(gt=0.0, le=1000.0, allow_inf_nan=False)]
 Stiffness = Annotated[float, Field(gt=0.0, le=1e4, allow_inf_nan=False)]
 Modulus = Annotated[float, Field(gt=0.0, le=1e5, allow_inf_nan=False)]
+# Of a path, relative to the unloaded volume. The default: inner stretches of 10 (sphere) and 32 (tube), beyond what any
+# silicone takes.
+LargestVolume = Annotated[float, Field(gt=1.0, le=1e6)]
+LARGEST_VOLUME = 1000.0
 
 
 class SceneError(ValueError):
