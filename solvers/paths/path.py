@@ -58,7 +58,7 @@ def follow_path(
     """
     follower = Follower(problem, factor, pressures_mpa, settings, progress)
     if resume is None:
-        walk = follower.start()
+        walk = follower.start(accept)
     else:
         walk = Walk(
             list(resume.history),

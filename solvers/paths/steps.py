@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from solvers.equilibrium.controls import Control, HeldLoad, HeldVolume
@@ -13,8 +13,8 @@ from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
 from solvers.paths.arc import plane_at, refuse_far, refuse_jump, scale_of, volume_turns_back
 from solvers.paths.crossing import locate_crossing, lost_stability
+from solvers.paths.onset import go_to_rest
 from solvers.paths.prediction import coordinates, extrapolate, place_of_pressure, predicted_pressure
-from solvers.paths.rest import go_to_rest
 from solvers.paths.states import (
     ControlName,
     Crossing,
@@ -114,7 +114,7 @@ class Follower:
         share = self.settings.first_step if control == "volume" else self.settings.first_pressure_step
         return share * self.unit[control]
 
-    def start(self) -> Walk:
+    def start(self, accept: Callable[[PathState], bool] | None) -> Walk:
         """A walk from the state without pressure.
 
         Raises
@@ -122,12 +122,14 @@ class Follower:
         StepFailed
             If there is no such state under the dead force.
         """
-        go_to_rest(self.problem, self.factor, self.settings.newton)
-        rest = PathPoint(self.problem.get_state(), self.problem.cavity_volume(), math.nan, 0)
+        return self.walk_from(go_to_rest(self.problem, self.factor, self.settings.newton, accept), 0)
+
+    def walk_from(self, point: PathPoint, reached: int) -> Walk:
+        """A walk from a state, after so many asked pressures."""
         control = self.settings.start_control if self.settings.control == "auto" else self.settings.control
         if control == "arc":
             control = "pressure"  # for one step, which shows the way
-        return Walk([rest], control, self.first_step(control), 0, 0, 0.0, None)
+        return Walk([point], control, self.first_step(control), reached, 0, 0.0, None)
 
     # ---- one step --------------------------------------------------------------------------------------
 

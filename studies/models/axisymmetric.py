@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from mpi4py import MPI
 
+from solvers.errors import Cause
 from solvers.linear.factor import Factor
-from solvers.paths.path import follow_path
+from solvers.paths.orders import MISSED, follow_loads
+from solvers.paths.states import Path as EquilibriumPath
 from solvers.paths.states import PathMemory, PathSettings
 from studies.models.build import Tip, masses_g, scene_problem
 from studies.models.contact import MODELLED, ContactWatch
@@ -70,18 +73,30 @@ def _solve(scene: BellowsScene, refinement: int, folder: Path, progress: Progres
     log = Log(job, problem, Factor(problem), mesh, lambda item: path_row(item, tip, sense=job.sense), watch)
     if any(note.startswith(MODELLED) for note in log.notes):
         watch.switch_on()
-    path = follow_path(
+    path = follow_loads(
         problem,
         log.factor,
         scene.pressures_mpa,
         _settings(scene),
+        scene.load.order,
+        log.notes.append,
+        watch.touches,
         progress.iteration,
         on_state=log.keep,
         on_step=log.step,
         resume=log.memory if isinstance(log.memory, PathMemory) else None,
         accept=lambda item: watch.accept(item, log.notes),
     )
-    return log.finish(path, mesh, masses_g(scene, mesh))
+    return log.finish(_without_gaps(path, log.notes), mesh, masses_g(scene, mesh))
+
+
+def _without_gaps(path: EquilibriumPath, notes: Sequence[str]) -> EquilibriumPath:
+    """The path, not reached if a note says so of a requested pressure."""
+    missed = [note for note in notes if note.startswith(MISSED)]
+    if not missed:
+        return path
+    cause = Cause.STEP_SIZE if path.reached else path.cause
+    return replace(path, reached=False, reason="; ".join([*missed, *filter(None, [path.reason])]), cause=cause)
 
 
 def _settings(scene: BellowsScene) -> PathSettings:

@@ -147,7 +147,14 @@ def read_summary(folder: Path) -> RunSummary:
 
 
 def _state_file(folder: Path, pressure_mpa: float) -> Path:
-    return folder / STATES_FOLDER / f"p{1e3 * abs(pressure_mpa):09.4f}.npz"
+    return folder / STATES_FOLDER / f"{_name(pressure_mpa, '09.4f')}.npz"
+
+
+def _name(pressure_mpa: float, form: str) -> str:
+    """A pressure as part of a file's name: in a form if that says all of it, else with ten digits."""
+    kpa = 1e3 * abs(pressure_mpa)
+    short = format(kpa, form)
+    return f"p{short if math.isclose(float(short), kpa, rel_tol=1e-9) else format(kpa, '.10g')}"
 
 
 def save_state(folder: Path, content_hash: str, state: State, row: PathRow) -> None:
@@ -171,7 +178,7 @@ def load_state(folder: Path, content_hash: str, pressure_mpa: float) -> tuple[St
 
 def field_file(folder: Path, pressure_mpa: float) -> Path:
     """Where a run's fields at a load are."""
-    return folder / FIELDS_FOLDER / f"p{1e3 * abs(pressure_mpa):06.3f}.vtu"
+    return folder / FIELDS_FOLDER / f"{_name(pressure_mpa, '06.3f')}.vtu"
 
 
 def field_files(folder: Path, pressures_kpa: Sequence[float]) -> dict[float, Path]:

@@ -107,9 +107,10 @@ def of_model(runs: Sequence[Run], model: str) -> tuple[Run, ...]:
 
 
 def value_status(run: Run, load_kpa: float, value: float, digits: str = ".2f") -> str:
-    """``reached``, and beyond which limit point, or where and why the run stopped before it had a value."""
+    """``reached``, and beyond which limit point; or where and why the run stopped, or had no state, before."""
     if math.isnan(value):
-        return stopped_text(run, digits)
+        passed = any(abs(row.pressure_kpa) > abs(load_kpa) for row in run.requested)
+        return f"no state at {load_kpa:.6g} kPa: {run.summary.reason}" if passed else stopped_text(run, digits)
     state = run.at(load_kpa)
     beyond = math.nan if state is None else state.limit_kpa
     return REACHED if math.isnan(beyond) else f"{REACHED}, after a snap at {beyond:.4g} kPa"

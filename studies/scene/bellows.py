@@ -16,7 +16,7 @@ from meshes.errors import GeometryError
 from meshes.shape import BellowsShape
 from studies.scene.elements import Mesh, element_faults
 from studies.scene.materials import NeoHookeMaterial, OgdenMaterial, YeohMaterial, describe_material, material_faults
-from studies.scene.sections import LARGEST_VOLUME, LargestVolume, Length, Section, Stiffness
+from studies.scene.sections import LARGEST_VOLUME, LargestVolume, Length, Section, Stiffness, away_from_zero
 
 # A bond meant as rigid is a layer this stiff, MPa/mm: its slip is at most 0.003 mm at 20 kPa, and tips are within
 # 0.005 % of those with meshed PLA rings, which share their nodes with the wall (make study-paper; docs/decisions.md).
@@ -109,22 +109,20 @@ class Load(Section):
 
     A blocked tip is held axially: the whole rim of a cap's distal face, which may slide and widen as on a wall without
     friction, or a rigid plate with all its motions. ``tip_force_n`` is a dead axial force on a free rigid plate,
-    positive pulls it outwards.
+    positive pulls it outwards. ``order`` is that of force and pressure (`solvers.paths.orders`): a payload that
+    only the pressure can carry is lifted ``pressure-first``, as ``auto`` does where the force alone crushes it.
     """
 
     pressure_kpa: Annotated[list[Annotated[float, Field(allow_inf_nan=False)]], Field(min_length=1)]
     control: Literal["auto", "pressure", "volume", "arc"] = "auto"
     tip: Literal["free", "blocked"] = "free"
     tip_force_n: Annotated[float, Field(allow_inf_nan=False)] = 0.0
+    order: Literal["auto", "force-first", "together", "pressure-first"] = "auto"
     largest_volume: LargestVolume = LARGEST_VOLUME  # the path ends at so many times the unloaded volume
 
     @model_validator(mode="after")
     def _away_from_zero(self) -> Load:
-        loads = [self.sense * p for p in self.pressure_kpa]
-        if loads[0] <= 0.0 or any(b <= a for a, b in zip(loads[:-1], loads[1:], strict=True)):
-            raise ValueError(
-                f"load.pressure_kpa = {self.pressure_kpa}: must ascend strictly from above 0, or descend from below 0"
-            )
+        away_from_zero("load.pressure_kpa", self.pressure_kpa)
         return self
 
     @property
@@ -318,6 +316,11 @@ def _tip_faults(scene: BellowsScene) -> list[str]:
     given = f"load.tip_force_n = {scene.load.tip_force_n:g}"
     if scene.load.tip_force_n and scene.blocked:
         faults.append(f'{given}: a blocked tip takes no force: it must be 0, or load.tip = "free"')
+    if scene.load.order != "auto" and not scene.load.tip_force_n:
+        faults.append(
+            f'load.order = "{scene.load.order}": there is no force beside the pressure: leave the key out, or set '
+            "load.tip_force_n"
+        )
     if scene.load.tip_force_n and scene.geometry.tip != "rigid":
         faults.append(f'{given}: a force acts on a rigid plate: set geometry.tip = "rigid"')
     if "tip_force_n" in scene.ask.quantities and not scene.blocked:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_args
 
@@ -19,6 +19,10 @@ LargestVolume = Annotated[float, Field(gt=1.0, le=1e6)]
 LARGEST_VOLUME = 1000.0
 
 
+# Requested loads that are closer, relative to themselves, are one load to a solver that holds residuals to 1e-8 of it.
+LEAST_APART = 1e-6
+
+
 class SceneError(ValueError):
     """A scene that cannot be run; one line per fault."""
 
@@ -27,6 +31,24 @@ class Section(BaseModel):
     """A table of a scene file: unknown keys are faults."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=False)
+
+
+def away_from_zero(key: str, values: Sequence[float]) -> None:
+    """Check requested loads of either sign.
+
+    Raises
+    ------
+    ValueError
+        Unless they go away from zero, in steps that can be told apart.
+    """
+    loads = [abs(v) if v * values[0] > 0.0 else 0.0 for v in values]
+    pairs = list(zip(loads[:-1], loads[1:], strict=True))
+    if loads[0] <= 0.0 or any(b <= a for a, b in pairs):
+        down = ", or descend strictly from below 0 (a vacuum)" if min(values) < 0.0 else ""
+        raise ValueError(f"{key} = {list(values)}: must ascend strictly from above 0{down}")
+    close = next((b for a, b in pairs if b - a < LEAST_APART * b), None)
+    if close is not None:
+        raise ValueError(f"{key} = {list(values)}: two loads at {close:g} are one: leave one of them out")
 
 
 Model = TypeVar("Model", bound=Section)
