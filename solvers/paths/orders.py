@@ -6,6 +6,7 @@ load has crushed need not be lifted by the pressure that holds the same load up.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -26,6 +27,8 @@ Order = Literal["auto", "force-first", "together", "pressure-first"]
 HOPELESS = (Cause.OUT_OF_MEMORY, Cause.MATERIAL_RANGE, Cause.TOO_LARGE)
 # Begins what is told of a pressure at which the force could not be brought on.
 MISSED = "no state at "
+# Begins what is told of a state that the model itself counts as unstable.
+UNSTABLE = "warning: unstable"
 
 
 @dataclass
@@ -45,12 +48,10 @@ class _Job:
     # the path without the force, as far as it was followed
     free: PathMemory | None = None
 
-    def show(self, item: PathState) -> PathState:
+    def show(self, item: PathState) -> None:
         """Hand a state out, with the time since all began."""
-        item = replace(item, wall_s=time.perf_counter() - self.begin)
         if self.on_state is not None:
-            self.on_state(item)
-        return item
+            self.on_state(replace(item, wall_s=time.perf_counter() - self.begin))
 
     def kpa(self, place: int) -> str:
         """An asked pressure in words."""
@@ -80,15 +81,15 @@ def follow_loads(
     - ``pressure-first``: the pressure alone up to the first asked one at which the force can then be brought on, then
       the pressure under the force. So a payload is lifted that rests on something else until then.
 
-    Of the latter two, asked pressures after a stop are tried anew in the same way.
+    Of the latter two, asked pressures after a stop, or after a state that is crushed, are tried anew in the same way.
 
     Parameters
     ----------
     tell
-        Called with what a reader of the states has to know: which order led to them, and with ``MISSED`` at which
-        pressures none did.
+        Called with what a reader of the states has to know: which order led to them, with ``MISSED`` at which pressures
+        none did, and with ``UNSTABLE`` that the first of them is not stable.
     touches
-        True if surfaces of a state touch that its problem would let through each other.
+        True if surfaces of a state touch.
     others
         As in `solvers.paths.path.follow_path`; a memory's number of reached pressures includes those that were missed.
 
@@ -115,17 +116,19 @@ def follow_loads(
         place = (0 if resume is None else resume.reached) + sum(item.asked for item in path.states)
         if path.reached or order == "force-first" or path.cause in HOPELESS:
             return path
-        tell(f"loads, the force first: {path.reason}; from {job.kpa(place)} on the pressure first")
+        tell(f"loads: {path.reason}; from {job.kpa(place)} on brought on anew")
     while place < len(pressures_mpa):
-        memory, place = _lifted(job, place, together=order == "together")
+        memory = _lifted(job, place, order == "together", touches)
+        place += 1
         if memory is None:
-            break
+            continue
         path = follow(memory)
         place += sum(item.asked for item in path.states)
-        if path.reached or path.cause in HOPELESS:
-            break
-        tell(f"loads: {path.reason}; from {job.kpa(place)} on brought on anew")
-    return path
+        if path.cause in HOPELESS:
+            return path
+        if not path.reached:
+            tell(f"loads: {path.reason}; from {job.kpa(place)} on brought on anew")
+    return Path(path.states, True, "", path.rejected, Cause.REACHED, path.crossing)
 
 
 def _forced(job: _Job, accept: Callable[[PathState], bool] | None) -> PathMemory:
@@ -157,37 +160,40 @@ def _alone(job: _Job, touches: Callable[[PathState], bool], item: PathState) -> 
     return True
 
 
-def _lifted(job: _Job, place: int, together: bool) -> tuple[PathMemory | None, int]:
-    """The first state under the whole force at an asked pressure from a place on, and the place after it.
+def _lifted(job: _Job, place: int, together: bool, touches: Callable[[PathState], bool]) -> PathMemory | None:
+    """Bring the whole force on at an asked pressure; from where the path goes on under it.
 
-    Where the force cannot be brought on, that is told. None if it cannot at any.
+    None if it does not: where the force cannot be brought on, which is told, or where it crushes the body, whose later
+    states need not be those that the pressure holds up.
     """
-    problem = job.problem
-    assert problem.bonded is not None
-    while place < len(job.pressures_mpa):
-        pressure, states, start = job.pressures_mpa[place], [], (Loads(0.0, 0.0), problem.zero_state())
-        limit = float("nan")
-        try:
-            if not together:
-                free = _without_force(job, place)
-                start, limit = (Loads(pressure, 0.0), free.history[-1].state), free.limit_mpa
-            end = Loads(pressure, job.force_n)
-            for item in bring_on(problem, job.factor, job.settings.newton, start[1], start[0], end, job.accept):
-                states.append(replace(item, limit_mpa=limit))
-        except StepFailed as failure:
+    problem, pressure, limit = job.problem, job.pressures_mpa[place], math.nan
+    states: list[PathState] = []
+    at, end = job.kpa(place), Loads(pressure, job.force_n)
+    how = "in proportion with the pressure" if together else "after the pressure"
+    try:
+        start, state = Loads(0.0, 0.0), problem.zero_state()
+        if not together:
+            free = _without_force(job, place)
+            start, state, limit = Loads(pressure, 0.0), free.history[-1].state, free.limit_mpa
+        for item in bring_on(problem, job.factor, job.settings.newton, state, start, end, job.accept):
+            states.append(replace(item, limit_mpa=limit))
+    except StepFailed as failure:
+        if problem.bonded is not None:
             problem.bonded.dead_force_n = job.force_n
-            how = "together" if together else "after the pressure"
-            job.tell(f"{MISSED}{job.kpa(place)}: {job.force_n:g} N, brought on {how}: {failure}")
-            place += 1
-            continue
-        for item in states[:-1]:
-            job.show(item)
-        last = job.show(replace(states[-1], asked=True))
-        how = "in proportion with the pressure" if together else "after the pressure"
-        job.tell(f"loads: {job.force_n:g} N brought on {how} at {job.kpa(place)}")
-        follower = Follower(problem, job.factor, job.pressures_mpa, job.settings, job.progress)
-        return replace(follower.walk_from(point_of(last), place + 1).memory(), limit_mpa=limit), place + 1
-    return None, place
+        job.tell(f"{MISSED}{at}: {job.force_n:g} N, brought on {how}: {failure}")
+        return None
+    for item in states[:-1]:
+        job.show(item)
+    last = replace(states[-1], asked=True)
+    job.show(last)
+    job.tell(f"loads: {job.force_n:g} N brought on {how} at {at}")
+    unstable, crushed = last.newton.excess_negatives, touches(last)
+    if unstable:
+        job.tell(f"{UNSTABLE} under {job.force_n:g} N at {at}: {unstable} modes of the model's own")
+    if unstable or crushed:
+        return None
+    follower = Follower(problem, job.factor, job.pressures_mpa, job.settings, job.progress)
+    return replace(follower.walk_from(point_of(last), place + 1).memory(), limit_mpa=limit)
 
 
 def _without_force(job: _Job, place: int) -> PathMemory:

@@ -91,8 +91,6 @@ def follow_path(
             states.append(item)
             if on_state is not None:
                 on_state(item)
-            if walk.reached == len(follower.targets):
-                break  # a volume step that went beyond the last asked pressure is not part of the answer
         problem.set_state(walk.here.state)
         follower.adapt(walk, aim, max(item.newton.iterations for item in found))
         if on_step is not None:

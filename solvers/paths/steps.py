@@ -206,7 +206,8 @@ class Follower:
             place = place_of_pressure(around, walk.control, start, reached, pressure, self.scale)
             guess = extrapolate(around, walk.control, place, self.scale)
             found.insert(0, self.solve(Aim("pressure", pressure, aim.size, True, guess), walk))
-        return found
+        # a step that went beyond the last asked pressure is not part of the answer
+        return found[:-1] if walk.reached + len(passed) == len(self.targets) else found
 
     # ---- after a step ----------------------------------------------------------------------------------
 

@@ -143,7 +143,8 @@ class ContactWatch:
 
     def touches(self, item: PathState) -> bool:
         """True if surfaces of a state touch and contact could be modelled."""
-        return self.possible and self.measure(item.state).gap.gap_mm <= 0.0
+        pressing = LIMIT * self._scene.geometry.wall_mm if self.modelled else 0.0
+        return self.possible and self.measure(item.state).gap.gap_mm <= pressing
 
     def accept(self, item: PathState, notes: list[str]) -> bool:
         """False, and contact is on from now, if the state is the first whose gap has closed."""

@@ -92,8 +92,8 @@ def run_full3d(
     if isinstance(log.factor, IterativeSolver):
         log.notes.append(NOT_COUNTED)
     if path.reached and len(guesses) < len(scene.pressures_mpa):
-        missing = "the axisymmetric path, whose states are the first guesses, has none at the others"
-        path = dataclasses.replace(path, reached=False, reason=missing)
+        why = "the axisymmetric path, whose states are the first guesses, has none at the others"
+        path = dataclasses.replace(path, reached=False, reason=why)
     run = log.finish(path, meridian, masses_g(scene, meridian))
     if comm.rank == 0 and scene.ask.fields:
         write_fields(folder, run, body, [row.pressure_kpa for row in run.requested])

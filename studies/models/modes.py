@@ -24,6 +24,7 @@ from solvers.atomic import write_atomically
 from solvers.equilibrium.forces import end_force
 from solvers.errors import SolverError, StepFailed
 from solvers.linear.factor import Factor
+from solvers.paths.orders import UNSTABLE
 from solvers.paths.states import PathPoint
 from solvers.problem import Problem
 from solvers.stability.harmonics import Shape
@@ -40,7 +41,7 @@ MODES_FILE = "modes.json"
 # Meridian refinements that are counted: crossings on r1 and r2 differ by 0.3 % at most, and a state on r4 takes four
 # times as long as on r2 (docs/decisions.md).
 COUNTED_LEVELS = (1, 2)
-WARNING, NOT_COUNTED = "warning: unstable against m = ", "warning: modes by harmonic are not counted: "
+WARNING, NOT_COUNTED = f"{UNSTABLE} against m = ", "warning: modes by harmonic are not counted: "
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,11 @@ from mpi4py import MPI
 
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
+from solvers.paths.orders import UNSTABLE
 from studies.models.axisymmetric import run_axisymmetric
 from studies.models.closed_form import run_closed_form
 from studies.models.full3d import SolidModel, run_full3d
-from studies.models.modes import COUNTED_LEVELS, WARNING
+from studies.models.modes import COUNTED_LEVELS
 from studies.planning.bodies import models_of
 from studies.planning.error_model import MERIDIAN_SHARE
 from studies.planning.levels import MODELS, BodyLevel, fineness, ranking
@@ -89,8 +90,8 @@ class SceneResult(Generic[SceneKind]):
 
     @property
     def unstable(self) -> tuple[str, ...]:
-        """Harmonics that the axisymmetric states lose, a sentence each."""
-        return tuple(n for run in self.axisymmetric for n in run.summary.plan if n.startswith(WARNING))
+        """What the axisymmetric states are unstable against, a sentence each."""
+        return tuple(n for run in self.axisymmetric for n in run.summary.plan if n.startswith(UNSTABLE))
 
     @property
     def remark(self) -> str:

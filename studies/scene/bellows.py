@@ -15,7 +15,14 @@ from meshes.by_gmsh.ring import RingShape
 from meshes.errors import GeometryError
 from meshes.shape import BellowsShape
 from studies.scene.elements import Mesh, element_faults
-from studies.scene.materials import NeoHookeMaterial, OgdenMaterial, YeohMaterial, describe_material, material_faults
+from studies.scene.materials import (
+    NeoHookeMaterial,
+    OgdenMaterial,
+    YeohMaterial,
+    describe_material,
+    material_faults,
+    small_load_faults,
+)
 from studies.scene.sections import LARGEST_VOLUME, LargestVolume, Length, Section, Stiffness, away_from_zero
 
 # A bond meant as rigid is a layer this stiff, MPa/mm: its slip is at most 0.003 mm at 20 kPa, and tips are within
@@ -308,6 +315,7 @@ def bellows_faults(scene: BellowsScene) -> list[str]:
         )
     faults += _tip_faults(scene)
     faults += _core_faults(scene)
+    faults += small_load_faults(scene.material, scene.load.pressure_kpa, "load.pressure_kpa")
     return faults + material_faults(scene.material, abs(scene.load.pressure_kpa[-1]), "load.pressure_kpa")
 
 

@@ -44,6 +44,7 @@ from studies.scene.materials import (
     YeohMaterial,
     describe_material,
     material_faults,
+    small_load_faults,
 )
 from studies.scene.sections import LARGEST_VOLUME, LargestVolume, Section, away_from_zero
 
@@ -219,6 +220,7 @@ def body_faults(scene: BodyScene) -> list[str]:
         except MeshError as error:
             faults.append(f"geometry.file: {error}")
     highest = scene.loads_kpa[-1] if scene.loads_kpa else 0.0
+    faults += small_load_faults(scene.material, scene.loads_kpa, f"load.{right}")
     return faults + material_faults(scene.material, highest, f"load.{right}")
 
 
