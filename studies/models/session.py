@@ -90,8 +90,13 @@ class SceneResult(Generic[SceneKind]):
 
     @property
     def unstable(self) -> tuple[str, ...]:
-        """What the axisymmetric states are unstable against, a sentence each."""
-        return tuple(n for run in self.axisymmetric for n in run.summary.plan if n.startswith(UNSTABLE))
+        """What axisymmetric states are unstable against, and which of the answer's are by its count, a sentence each."""
+        notes = [n for run in self.axisymmetric for n in run.summary.plan if n.startswith(UNSTABLE)]
+        own = [row for row in self.answer.requested if row.unstable_modes > 0] if self.answer else []
+        if self.answer and own:
+            states = ", ".join(f"{row.pressure_kpa:.4g} kPa ({row.unstable_modes:g} modes)" for row in own)
+            notes.append(f"{UNSTABLE} by the count of {self.answer.summary.model}: {states}")
+        return tuple(notes)
 
     @property
     def remark(self) -> str:

@@ -143,8 +143,12 @@ def test_the_whole_body_starts_from_the_lifted_state(write) -> None:
     (flat,) = requested(out / "axisymmetric-r1")
     assert row.tip_mm == pytest.approx(flat.tip_mm, rel=2e-2)  # 8 cells round
     assert row.tip_force_n == pytest.approx(1.0, rel=1e-9)
-    # two convolutions keep straight: what the harmonics count, the whole body counts as well
-    assert (row.unstable_modes, flat.unstable_by_m) == (0.0, "0;0;0;0;0;0;0")
+    # held up straight it would bend out sideways: two modes of m = 1, which are two pairs of the whole body
+    assert row.unstable_modes == 4.0
+    assert "warning: unstable by the count of full3d: 5 kPa (4 modes)" in result.output
+    result, out = solve(write("harmonics", "[5.0]", "tip_force_n = -1.0"))
+    assert requested(out)[0].unstable_by_m == "0;2;0;0;0;0;0"
+    assert "unstable against m = 1 (bends sideways) at 5 kPa (2 modes), from the first state on" in result.output
 
 
 def test_an_interrupted_lift_goes_on_to_the_same_rows(write, tmp_path: Path, monkeypatch) -> None:
