@@ -205,7 +205,7 @@ study-large: check ## direct and iterative linear algebra over size, 25 minutes 
 	$(PY) -m studies study large --out results/large --ranks $(NP)
 
 .PHONY: study-stacks
-study-stacks: check ## as root: the same rows on three stacks, and what each costs; 40 minutes -> results/stacks
+study-stacks: check ## as root: the same rows on three stacks, and what each costs; an hour -> results/stacks
 	$(PY) -m studies.stacks.figures --out results/stacks/$(STACK)
 	for stack in $(OTHERS); do \
 		out=results/stacks/$$stack; \

@@ -16,16 +16,38 @@ from meshes.errors import GeometryError
 from meshes.meridian import split_quadrilaterals
 from meshes.solid import FACETS, REGIONS, FloatArray, IntArray, SolidMesh
 
+# Walls whose outer radius is more than so many times the inner one are graded. Two cells, the fewest through a wall,
+# then double the radius each.
+GRADED_BEYOND = 4.0
+
 
 def _require_radii(inner_mm: float, outer_mm: float) -> None:
     if not 0.0 < inner_mm < outer_mm < math.inf:
         raise GeometryError(f"radii {inner_mm:g}, {outer_mm:g} mm: need 0 < inner < outer")
 
 
+def cells_through(ratio: float, cells: int) -> int:
+    """Cells through a wall whose outer radius is ``ratio`` times the inner one: of a graded wall more.
+
+    As many as are given for each factor `GRADED_BEYOND`, so that no cell is longer for its radius than in other walls.
+    """
+    return cells * math.ceil(max(1.0, math.log(ratio) / math.log(GRADED_BEYOND)))
+
+
+def _layers(inner_mm: float, outer_mm: float, through: int, ratio: float) -> FloatArray:
+    """Radii of the layers of nodes through a wall, mm: equally spaced, or of a thick wall in a geometric sequence.
+
+    Displacements fall like 1/r in a tube and 1/r^2 in a sphere, so in ln r they are as smooth near the bore as far from
+    it, and so are the stresses; mid-nodes are in the sequence too, so that the mapping is smooth and the order is kept.
+    """
+    spaced = np.geomspace if ratio > GRADED_BEYOND else np.linspace
+    return spaced(inner_mm, outer_mm, 2 * through + 1)
+
+
 def tube_meridian(
     inner_mm: float, outer_mm: float, length_mm: float, along: int, through: int, cells: CellKind = "triangles"
 ) -> SolidMesh:
-    """Meridian of a tube: 0 <= z <= length, inner <= r <= outer.
+    """Meridian of a tube: 0 <= z <= length, inner <= r <= outer; a thick wall is graded, see `GRADED_BEYOND`.
 
     Parameters
     ----------
@@ -45,7 +67,7 @@ def tube_meridian(
     if not 0.0 < length_mm < math.inf:
         raise GeometryError(f"length {length_mm:g} mm: must be positive")
     z = length_mm * np.linspace(0.0, 1.0, 2 * along + 1)
-    r = np.linspace(inner_mm, outer_mm, 2 * through + 1)
+    r = _layers(inner_mm, outer_mm, through, outer_mm / inner_mm)
     lattice = np.stack([np.broadcast_to(r, (len(z), len(r))), np.broadcast_to(z[:, None], (len(z), len(r)))], axis=-1)
     return lattice_meridian(lattice, ("cavity", "outer", "bottom", "top"), cells)
 
@@ -53,7 +75,7 @@ def tube_meridian(
 def sphere_meridian(
     inner_mm: float, outer_mm: float, along: int, through: int, cells: CellKind = "triangles"
 ) -> SolidMesh:
-    """Meridian of the upper half of a thick sphere, from the equator z = 0 to the axis.
+    """Meridian of the upper half of a sphere, from the equator z = 0 to the axis; a thick wall is graded.
 
     Parameters
     ----------
@@ -71,7 +93,7 @@ def sphere_meridian(
     """
     _require_radii(inner_mm, outer_mm)
     angle = 0.5 * math.pi * np.linspace(0.0, 1.0, 2 * along + 1)[:, None]
-    radius = np.linspace(inner_mm, outer_mm, 2 * through + 1)
+    radius = _layers(inner_mm, outer_mm, through, outer_mm / inner_mm)
     lattice = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=-1)
     lattice[-1, :, 0] = 0.0
     lattice[0, :, 1] = 0.0
@@ -115,7 +137,8 @@ def ventricle_meridian(
 ) -> SolidMesh:
     """Meridian of a wall between two ellipsoids of revolution, cut off by a plane: an idealised ventricle, apex up.
 
-    Surfaces between the two are ellipsoids too, with semi-axes in between (Land et al. 2015, problem 2).
+    Surfaces between the two are ellipsoids too, with semi-axes in between (Land et al. 2015, problem 2); a thick wall
+    is graded.
 
     Parameters
     ----------
@@ -133,12 +156,13 @@ def ventricle_meridian(
     SolidMesh
         Surfaces ``cavity``, ``outer``, ``clamped`` (the base) and ``axis``; the tip is the apex outside.
     """
-    across, up = (np.linspace(a, b, 2 * through + 1) for a, b in zip(inner_mm, outer_mm, strict=True))
     if not (0.0 < inner_mm[0] < outer_mm[0] and 0.0 <= base_mm < inner_mm[1] < outer_mm[1] < math.inf):
         raise GeometryError(
             f"semi-axes {inner_mm} and {outer_mm} mm, base {base_mm:g} mm: need 0 < inner < outer and base < the inner "
             "one along the axis"
         )
+    ratio = max(b / a for a, b in zip(inner_mm, outer_mm, strict=True))
+    across, up = (_layers(a, b, through, ratio) for a, b in zip(inner_mm, outer_mm, strict=True))
     share = np.linspace(0.0, 1.0, 2 * along + 1)[:, None]
     start = -np.arcsin(base_mm / up)
     angle = start + share * (0.5 * math.pi - start)

@@ -27,7 +27,7 @@ from solvers.contact.contact import Contact
 from solvers.discrete.domain import Domain, FloatArray
 from solvers.discrete.elements import QUADRATURE_DEGREE, Element, usual_element
 from solvers.discrete.kinematics import Kinematics, kinematics
-from solvers.discrete.sums import dot
+from solvers.discrete.sums import Joint, dot
 from solvers.energy.forms import build_forms
 from solvers.energy.laws import Law, compile_law
 from solvers.energy.loads import DEAD
@@ -184,6 +184,24 @@ class Problem:
             for term in self.terms:
                 term.add_force(force, on_bodies)
             return force, on_bodies
+
+    def unit_load(self) -> Joint:
+        """Force of a unit load on the free dofs and on the free bodies, mm^2, nothing on those that are held."""
+        force = self.load.force()
+        force[self.constrained_owned] = 0.0
+        return force, self._on_plate()
+
+    def volume_gradient(self) -> Joint:
+        """Derivative of `cavity_volume` by the same: the force of a unit load if that is conservative."""
+        gradient = self.load.gradient()
+        gradient[self.constrained_owned] = 0.0
+        return gradient, self._on_plate()
+
+    def _on_plate(self) -> FloatArray:
+        """What the cavity's volume gains with the bodies' motions, mm^2, shape (extra,)."""
+        if self.bonded is None:
+            return np.zeros(self.extra)
+        return np.where(self.held_bodies, 0.0, self.load.sense * self.bonded.plate_volume()[1])
 
     def cavity_volume(self) -> float:
         """Volume on which the load does work, mm^3: enclosed for a cavity; see solvers.energy.loads for others."""

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import errno
 import io
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from solvers.atomic import write_atomically
+from solvers.atomic import taking_place_of, write_atomically
 from solvers.compat import CELL_NAMES, lagrange_at_nodes
 from solvers.discrete.domain import FloatArray, MeshArrays
 from solvers.state import State, pressure_at_corners
@@ -112,15 +114,14 @@ def write_mode(path: Path, mesh: MeshArrays, state: State, mode: State) -> None:
         **shapes,
     )
     write_atomically(path.with_suffix(".npz"), buffer.getvalue())
-    flat_grid(mesh, shapes).save(path.with_suffix(".vtu"))
+    _save(flat_grid(mesh, shapes), path.with_suffix(".vtu"))
 
 
 def save_mesh(path: Path, mesh: MeshArrays) -> None:
     """Write a body's or a meridian's cells with their regions as a VTU file."""
     grid = flat_grid(mesh, {})
     grid.cell_data["region"] = mesh.regions
-    path.parent.mkdir(parents=True, exist_ok=True)
-    grid.save(path)
+    _save(grid, path)
 
 
 def flat_grid(mesh: MeshArrays, fields: Mapping[str, FloatArray]) -> Any:
@@ -140,5 +141,20 @@ def flat_grid(mesh: MeshArrays, fields: Mapping[str, FloatArray]) -> Any:
 
 def write_vtu(path: Path, mesh: MeshArrays, state: State) -> None:
     """Write a body and its fields as a VTU file; see `vtk_grid`."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    vtk_grid(mesh, state).save(path)
+    _save(vtk_grid(mesh, state), path)
+
+
+def _save(grid: Any, path: Path) -> None:
+    """Write a grid, all of it or nothing.
+
+    Raises
+    ------
+    OSError
+        Also where VTK does not say so: if the file does not end as it should.
+    """
+    with taking_place_of(path, ".vtu") as temporary:
+        grid.save(temporary)
+        with temporary.open("rb") as stream:
+            stream.seek(-min(64, temporary.stat().st_size), os.SEEK_END)
+            if not stream.read().rstrip().endswith(b"</VTKFile>"):
+                raise OSError(errno.EIO, os.strerror(errno.EIO), str(path))

@@ -19,6 +19,7 @@ from mpi4py import MPI
 from analytical.bellows.dimensions import BellowsError
 from meshes.errors import GeometryError, MeshError
 from solvers.errors import SolverError
+from studies.first_rank import first
 from studies.progress import Progress
 from studies.report.numbers import duration
 from studies.report.pages import write_page
@@ -260,26 +261,6 @@ def farm(items: Sequence[Item], comm: MPI.Comm, work: Callable[[Item], Done]) ->
     mine = {k: work(items[k]) for k in range(comm.rank, len(items), comm.size)}
     every = {k: done for part in comm.allgather(mine) for k, done in part.items()}
     return [every[k] for k in range(len(items))]
-
-
-def first(comm: MPI.Comm, work: Callable[[], Done]) -> Done:
-    """What rank 0 finds, on every rank; the others leave it their cores. An error is raised on every rank."""
-    if comm.size == 1:
-        return work()
-    answer: tuple[Done | None, Exception | None] = (None, None)
-    if comm.rank == 0:
-        try:
-            answer = (work(), None)
-        except Exception as error:
-            answer = (None, error)
-    request = comm.Ibarrier()
-    while not request.Test():
-        time.sleep(0.05)
-    done, fault = comm.bcast(answer)
-    if fault is not None:
-        raise fault
-    found: Done = done
-    return found
 
 
 def _write(

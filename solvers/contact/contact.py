@@ -208,13 +208,13 @@ class Contact:
         return float(sum(part.weight @ self.settings.pressure(part.gap)[0] for part in self._now()))
 
     def force(self) -> FloatArray:
-        """Derivative of the energy by the owned dofs and the bodies, N; zero where something is held."""
+        """Derivative of the energy by the owned dofs and the bodies, N, also by those that are held."""
         out = np.zeros(self._size)
         for part in self._now():
             push = -part.weight * self.settings.pressure(part.gap)[1]
             mine = part.dofs >= 0
             np.add.at(out, part.dofs[mine], (push[:, None] * part.gradient)[mine])
-        return out * self._free
+        return out
 
     def add_force(self, on_dofs: FloatArray, on_bodies: FloatArray) -> None:
         """Add `force`."""

@@ -8,13 +8,12 @@ factorisation. At the converged state g.b = dV/dP is the compliance of the path.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
-import numpy as np
-
 from solvers.discrete.domain import FloatArray
-from solvers.discrete.sums import dot
+from solvers.discrete.sums import Joint, dot, joint_dot
 from solvers.errors import Cause, StepFailed
 from solvers.problem import Problem
 
@@ -38,7 +37,7 @@ class Control(Protocol):
         """How far the current state is from the condition, as a share."""
         ...
 
-    def load_change(self, problem: Problem, gradient: FloatArray, step: FloatArray, toward: FloatArray) -> float:
+    def load_change(self, problem: Problem, gradient: Joint, step: Joint, toward: Joint) -> float:
         """Change of a free load factor, MPa, after which an increment meets the condition.
 
         Parameters
@@ -46,9 +45,9 @@ class Control(Protocol):
         problem
             At the last state.
         gradient
-            dV/dw on the owned dofs.
+            dV/dw.
         step, toward
-            Increment of the owned dofs at the last load factor, and its growth with the factor.
+            Increment of the unknowns at the last load factor, and its growth with the factor.
 
         Raises
         ------
@@ -73,7 +72,7 @@ class HeldLoad:
         """None: it is met exactly."""
         return 0.0
 
-    def load_change(self, problem: Problem, gradient: FloatArray, step: FloatArray, toward: FloatArray) -> float:
+    def load_change(self, problem: Problem, gradient: Joint, step: Joint, toward: Joint) -> float:
         """None."""
         return 0.0
 
@@ -93,13 +92,13 @@ class HeldVolume:
         missing = abs(self.volume_mm3 - problem.cavity_volume())
         return missing / max(abs(self.volume_mm3), problem.volume_unit_mm3)
 
-    def load_change(self, problem: Problem, gradient: FloatArray, step: FloatArray, toward: FloatArray) -> float:
+    def load_change(self, problem: Problem, gradient: Joint, step: Joint, toward: Joint) -> float:
         """See this module's heading."""
         missing = self.volume_mm3 - problem.cavity_volume()
-        compliance = dot(problem.comm, gradient, toward)
+        compliance = joint_dot(problem.comm, gradient, toward)
         if abs(compliance) <= ROUND_OFF * _norm(problem, gradient) * _norm(problem, toward):
             raise StepFailed("the volume does not respond to the load", Cause.NO_RESPONSE)
-        return (missing - dot(problem.comm, gradient, step)) / compliance
+        return (missing - joint_dot(problem.comm, gradient, step)) / compliance
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,13 +131,13 @@ class HeldPlane:
         """Distance from it by that of the last state."""
         return abs(self._off(problem)) / self.length**2
 
-    def load_change(self, problem: Problem, gradient: FloatArray, step: FloatArray, toward: FloatArray) -> float:
+    def load_change(self, problem: Problem, gradient: Joint, step: Joint, toward: Joint) -> float:
         """See this module's heading; refused if the way that the state goes with the load lies in the plane."""
-        response = dot(problem.comm, self.normal, toward)
-        bound = _norm(problem, self.normal) * _norm(problem, toward) + abs(self.by_load)
+        response = dot(problem.comm, self.normal, toward[0])
+        bound = math.sqrt(dot(problem.comm, self.normal, self.normal)) * _norm(problem, toward) + abs(self.by_load)
         if abs(response + self.by_load) <= ROUND_OFF * bound:
             raise StepFailed("the path runs along the plane of the step")
-        return (-self._off(problem) - dot(problem.comm, self.normal, step)) / (response + self.by_load)
+        return (-self._off(problem) - dot(problem.comm, self.normal, step[0])) / (response + self.by_load)
 
     def _off(self, problem: Problem) -> float:
         """The left side of its equation at the current state."""
@@ -146,5 +145,5 @@ class HeldPlane:
         return dot(problem.comm, self.normal, away) + self.by_load * (float(problem.pressure.value) - self.load_mpa)
 
 
-def _norm(problem: Problem, a: FloatArray) -> float:
-    return float(np.sqrt(dot(problem.comm, a, a)))
+def _norm(problem: Problem, a: Joint) -> float:
+    return math.sqrt(joint_dot(problem.comm, a, a))

@@ -9,7 +9,7 @@ import numpy as np
 from mpi4py import MPI
 
 from solvers.discrete.domain import FloatArray
-from solvers.discrete.sums import dot
+from solvers.discrete.sums import Joint, joint_dot
 from solvers.equilibrium.controls import Control
 from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
@@ -137,8 +137,7 @@ def solve_equilibrium(
         if new_error <= settings.relative_tolerance or stalled:
             det_f = _check_state(problem)
             factor.refresh()  # the stability count is that of the converged state
-            toward, _ = factor.solve(here.force, np.zeros(problem.extra))
-            compliance = dot(problem.comm, here.gradient, toward)
+            compliance = joint_dot(problem.comm, here.gradient, factor.solve(*here.force))
             used = factor.count - before
             return NewtonReport(iteration, used, new_error, det_f, factor.excess_negatives, compliance)
         if new_error > 1e8 or iteration == settings.max_iterations:
@@ -155,12 +154,11 @@ def solve_equilibrium(
 
 @dataclass(frozen=True)
 class _Residual:
-    """Residual on owned dofs and bodies, force of a unit load, dV/dw, and the relative error of the state."""
+    """Residual, force of a unit load and dV/dw on owned dofs and bodies, and the relative error of the state."""
 
-    residual: FloatArray
-    on_bodies: FloatArray
-    force: FloatArray
-    gradient: FloatArray
+    residual: Joint
+    force: Joint
+    gradient: Joint
     error: float
 
 
@@ -175,35 +173,29 @@ class _Increment:
 
 def _increment(problem: Problem, factor: Factor, control: Control, here: _Residual) -> _Increment:
     """Newton's step under a control, with the current factor."""
-    step, body_step = factor.solve(here.residual, here.on_bodies)
-    step, body_step = -step, -body_step
+    dofs, bodies = (-part for part in factor.solve(*here.residual))
     if not control.frees_load:
-        return _Increment(step, body_step, 0.0)
-    toward, body_toward = factor.solve(here.force, np.zeros(problem.extra))
-    change = control.load_change(problem, here.gradient, step, toward)
-    return _Increment(step + toward * change, body_step + body_toward * change, change)
+        return _Increment(dofs, bodies, 0.0)
+    toward = factor.solve(*here.force)
+    change = control.load_change(problem, here.gradient, (dofs, bodies), toward)
+    return _Increment(dofs + toward[0] * change, bodies + toward[1] * change, change)
 
 
 def _residual(problem: Problem, control: Control) -> _Residual:
     """Residual at the current state."""
     force, on_bodies = problem.internal_force()
     on_bodies[problem.held_bodies] = 0.0
-    fixed = problem.constrained_owned
-    unit_load = problem.load.force()
-    unit_load[fixed] = 0.0
-    gradient = unit_load
-    if not problem.conservative:
-        gradient = problem.load.gradient()
-        gradient[fixed] = 0.0
+    unit_load = problem.unit_load()
+    gradient = unit_load if problem.conservative else problem.volume_gradient()
     pressure = float(problem.pressure.value)
-    residual = force - pressure * unit_load
-    residual[fixed] = 0.0
+    residual = force - pressure * unit_load[0]
+    residual[problem.constrained_owned] = 0.0
     is_p = problem.owned_pressure
     sums = np.array(
         [
             residual[~is_p] @ residual[~is_p],
             residual[is_p] @ residual[is_p],
-            unit_load @ unit_load,
+            unit_load[0] @ unit_load[0],
         ]
     )
     sums = problem.comm.allreduce(sums, op=MPI.SUM)
@@ -213,7 +205,7 @@ def _residual(problem: Problem, control: Control) -> _Residual:
         load = np.hypot(load, problem.bonded.dead_force_n)
     error = np.sqrt(sums[0] + on_bodies @ on_bodies) / load + np.sqrt(sums[1]) / problem.volume_scale
     error += control.error(problem)
-    return _Residual(residual, on_bodies, unit_load, gradient, float(error))
+    return _Residual((residual, on_bodies), unit_load, gradient, float(error))
 
 
 def _advance(
@@ -251,7 +243,7 @@ def _advance(
         fraction *= 0.5
         go(fraction)
         here = _residual(problem, control)
-        if here.error < best.error:
+        if here.error < best.error or np.isnan(best.error):
             best, best_fraction = here, fraction
     if best_fraction != fraction:
         go(best_fraction)

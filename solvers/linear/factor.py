@@ -18,6 +18,9 @@ from solvers.state import Timer
 # workspace in percent; 24 = 1: null pivots are detected rather than divided by. The ordering is left to MUMPS: it takes
 # PORD, which needs half the flops of AMF on these bodies (docs/decisions.md).
 ICNTL = {13: 1, 14: 40, 24: 1}
+# CNTL(3): a pivot below this share of the scaled matrix is a null one. Those of bodies that float came out at 1e-15 to
+# 1e-13, the smallest of a bellows at 1e-8 (docs/decisions.md).
+NULL_PIVOT = 1e-13
 # What is tried in turn when memory runs out; 22 = 1 keeps the factors on disk (MUMPS_OOC_TMPDIR says where).
 LADDER: tuple[dict[int, int], ...] = ({}, {14: 100}, {14: 300}, {22: 1}, {14: 200, 22: 1})
 OUT_OF_CORE = 3
@@ -78,6 +81,7 @@ class Factor:
         factor = pc.getFactorMatrix()
         for control, value in {**ICNTL, **LADDER[self.rung]}.items():
             factor.setMumpsIcntl(control, value)
+        factor.setMumpsCntl(3, NULL_PIVOT)
         return solver
 
     def _drop_solver(self) -> None:
@@ -105,8 +109,9 @@ class Factor:
         Raises
         ------
         StepFailed
-            If MUMPS fails for another reason than memory, or all that can be done about memory is done. The
-            problem's state is as it was.
+            If MUMPS fails for another reason than memory, or all that can be done about memory is done, or the tangent
+            is singular: neither its solutions nor its count of negative pivots would mean anything. The problem's state
+            is as it was.
         """
         grown = [term.grow() for term in self.problem.terms]
         if any(grown):
@@ -132,7 +137,10 @@ class Factor:
                 )
             raise StepFailed(f"MUMPS failed with INFOG(1) = {status}, INFOG(2) = {detail}", Cause.LINEAR_SOLVER)
         assert self.solver is not None
-        self.negatives = self.solver.getPC().getFactorMatrix().getMumpsInfog(12)
+        factor = self.solver.getPC().getFactorMatrix()
+        self.negatives, free = factor.getMumpsInfog(12), factor.getMumpsInfog(28)
+        if free:
+            raise StepFailed(f"the tangent is singular: motions that cost nothing: {free}", Cause.LINEAR_SOLVER)
 
     @property
     def excess_negatives(self) -> int | None:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from solvers.discrete.domain import FloatArray
 from solvers.discrete.sums import dot
+from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
 
 ITERATIONS = 30
@@ -32,6 +33,11 @@ def softest_mode(factor: Factor, start: FloatArray, massless: NDArray[np.bool_])
     -------
     tuple of ndarray
         The mode on the owned dofs, its pressures included, and on the bodies; of no particular size.
+
+    Raises
+    ------
+    StepFailed
+        If a solve fails, or no stiffness comes out of it.
     """
     comm = factor.problem.comm
     dofs, bodies = start, np.zeros(factor.problem.extra)
@@ -41,7 +47,10 @@ def softest_mode(factor: Factor, start: FloatArray, massless: NDArray[np.bool_])
         size = np.sqrt(dot(comm, dofs, dofs) + bodies @ bodies)
         dofs, bodies = dofs / size, bodies / size
         new_dofs, new_bodies = factor.solve(dofs, bodies)
-        new = 1.0 / (dot(comm, dofs, new_dofs) + float(bodies @ new_bodies))
+        response = dot(comm, dofs, new_dofs) + float(bodies @ new_bodies)
+        if response == 0.0:
+            raise StepFailed("the inverse iteration for the critical mode broke down", Cause.LINEAR_SOLVER)
+        new = 1.0 / response
         dofs, bodies = new_dofs, new_bodies
         if abs(new - stiffness) <= SETTLED * abs(new):
             break

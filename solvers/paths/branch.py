@@ -103,10 +103,12 @@ def follow_branch(
     Raises
     ------
     StepFailed
-        If there is no state of a branch at the amplitude or at smaller ones.
+        If there is no state of a branch at the amplitude or at smaller ones, or no mode to look along.
     """
-    assert crossing.state is not None and crossing.mode is not None
+    assert crossing.state is not None
     direction = crossing.mode if mode is None else mode
+    if direction is None:
+        raise StepFailed(f"no critical mode is known at {1e3 * crossing.pressure_mpa:.6g} kPa, along which to look")
     first = _first_state(problem, factor, crossing.state, direction, highest_mpa, settings)
     states = [first]
 

@@ -74,26 +74,30 @@ def read_checkpoint(path: Path, label: str) -> tuple[PathMemory | GuessMemory, A
     Raises
     ------
     CheckpointError
-        If the file is truncated or damaged, or belongs to another label.
+        If the file is truncated or damaged, is none of these, or belongs to another label.
     """
     try:
         with np.load(path, allow_pickle=False) as data:
             facts = json.loads(str(data["facts"]))
             count = sum(name.endswith(".load_mpa") for name in data.files)
             states = [State(**{f.name: data[f"{k}.{f.name}"][()] for f in fields(State)}) for k in range(count)]
+        if facts["label"] != label:
+            raise CheckpointError(f"{path}: belongs to another scene, mesh or version of the code, not used")
+        return _memory(facts, states), facts["notes"]
     except FileNotFoundError:
         return None
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+    except (OSError, ValueError, KeyError, TypeError, IndexError, EOFError, zipfile.BadZipFile) as error:
         raise CheckpointError(f"{path}: damaged, not used ({type(error).__name__}: {error})") from error
-    if facts["label"] != label:
-        raise CheckpointError(f"{path}: belongs to another scene, mesh or version of the code, not used")
+
+
+def _memory(facts: dict[str, Any], states: list[State]) -> PathMemory | GuessMemory:
+    """The memory of a file's facts and states; a KeyError, ValueError, TypeError or IndexError if they are no such."""
     crossing = facts["crossing"]
     if crossing is not None:
         crossing = Crossing(**{**crossing, "kind": Cause(crossing["kind"])})
     points = [PathPoint(state, **point) for state, point in zip(states, facts["points"], strict=False)]
-    memory: PathMemory | GuessMemory
     if facts["kind"] == "path":
-        memory = PathMemory(
+        return PathMemory(
             tuple(points),
             facts["control"],
             facts["step"],
@@ -103,9 +107,7 @@ def read_checkpoint(path: Path, label: str) -> tuple[PathMemory | GuessMemory, A
             crossing,
             facts["limit_mpa"],
         )
-    else:
-        memory = GuessMemory(points[0], states[1], facts["reached"], facts["share"], facts["rejected"], crossing)
-    return memory, facts["notes"]
+    return GuessMemory(points[0], states[1], facts["reached"], facts["share"], facts["rejected"], crossing)
 
 
 def _facts(point: PathPoint) -> dict[str, Any]:

@@ -6,6 +6,8 @@ less where dP/dV < 0: at a limit point the first changes and the second does not
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from mpi4py import MPI
 
@@ -63,7 +65,8 @@ def locate_crossing(
     Returns
     -------
     Crossing
-        With the critical mode. If a solve fails the interval stays as wide as it is; ``within_mpa`` says so.
+        With the critical mode. If a solve fails the interval stays as wide as it is; ``within_mpa`` says so. If no mode
+        can be computed it has none: where stability was lost is known all the same.
     """
     # A load that does no work on the path to the crossing leaves the volume as it is: then by pressure.
     moves = abs(after.volume_mm3 - before.volume_mm3) > 1e-9 * problem.volume_unit_mm3
@@ -86,7 +89,11 @@ def locate_crossing(
     assert before.unstable is not None and high.unstable is not None
     pressure = 0.5 * (low.pressure_mpa + high.pressure_mpa)
     problem.set_state(high.state)
-    mode = critical_mode(problem, factor)
+    try:
+        mode = replace(critical_mode(problem, factor), load_mpa=pressure)
+    except StepFailed:
+        mode = None
+        problem.set_state(high.state)
     return Crossing(
         kind=kind_of(low, high),
         pressure_mpa=pressure,
@@ -95,7 +102,7 @@ def locate_crossing(
         modes_before=before.unstable,
         modes_after=high.unstable,
         state=high.state,
-        mode=State(mode.displacement_mm, mode.pressure_mpa, mode.bodies_mm, pressure),
+        mode=mode,
     )
 
 
@@ -114,6 +121,11 @@ def critical_mode(problem: Problem, factor: Factor) -> State:
     -------
     State
         The mode; ``load_mpa`` is that of the state.
+
+    Raises
+    ------
+    StepFailed
+        If it cannot be computed.
     """
     here = problem.get_state()
     factor.refresh()

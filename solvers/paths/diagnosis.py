@@ -12,7 +12,7 @@ REMEDY = {
     Cause.INVERTED_CELL: "look at the shape there (a sharp corner, a fold), refine the mesh there or soften the bond's "
     "edge",
     Cause.MATERIAL_RANGE: "the law's numbers do not hold at such stretches: ask for less pressure or use another law",
-    Cause.LINEAR_SOLVER: "the tangent may be singular: check that supports hold the body",
+    Cause.LINEAR_SOLVER: "the tangent may be singular: check that supports hold the body, every part of it",
     Cause.OUT_OF_MEMORY: "use more memory or ranks, fewer cells, or a larger disk in MUMPS_OOC_TMPDIR",
     Cause.NO_RESPONSE: 'use control = "pressure"',
     Cause.CONTACT: "take smaller steps, or refine the mesh where the surfaces meet",
@@ -29,7 +29,7 @@ def limit_pressure(history: Sequence[PathPoint]) -> float:
         return math.nan
     a, b = history[-2:]
     fall = a.slope_mpa_per_mm3**2 - b.slope_mpa_per_mm3**2
-    if not (fall > 0.0 and b.pressure_mpa > a.pressure_mpa):
+    if not (0.0 < fall < math.inf and b.pressure_mpa > a.pressure_mpa):
         return math.nan
     return b.pressure_mpa + b.slope_mpa_per_mm3**2 * (b.pressure_mpa - a.pressure_mpa) / fall
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -54,6 +55,23 @@ def predicted_pressure(history: Sequence[PathPoint], control: ControlName, at: f
     """Pressure at a volume or an arc length."""
     last, nodes = _usable(history, control, scale)
     return float(_weights(nodes, at) @ np.array([p.pressure_mpa for p in last]))
+
+
+def peak(here: PathPoint, end: PathPoint) -> tuple[float, float] | None:
+    """Where between two states the pressure is highest, as a share of the way in volume, and how high it is, MPa.
+
+    By the cubic with the pressures and the slopes dP/dV of both ends; None if it has no maximum between them, or a
+    slope is not known. The volume must not turn back on the way.
+    """
+    way, rise = end.volume_mm3 - here.volume_mm3, end.pressure_mpa - here.pressure_mpa
+    first, last = here.slope_mpa_per_mm3 * way, end.slope_mpa_per_mm3 * way
+    # P = P0 + first t + square t^2 + cube t^3; the root of its derivative at which the second one is negative
+    square, cube = 3.0 * rise - 2.0 * first - last, first + last - 2.0 * rise
+    root = square**2 - 3.0 * cube * first
+    if not 0.0 <= root < math.inf or math.sqrt(root) == square:
+        return None
+    t = first / (math.sqrt(root) - square)
+    return (t, here.pressure_mpa + t * (first + t * (square + t * cube))) if 0.0 < t < 1.0 else None
 
 
 def place_of_pressure(

@@ -157,8 +157,9 @@ class PathPoint:
 
     @property
     def slope_mpa_per_mm3(self) -> float:
-        """dP/dV; zero at a limit point."""
-        return 1.0 / self.compliance_mm3_per_mpa
+        """dP/dV; zero at a limit point, infinite where the volume does not respond."""
+        compliance = self.compliance_mm3_per_mpa
+        return 1.0 / compliance if compliance != 0.0 else math.inf
 
     @property
     def unstable_at_volume(self) -> int | None:
@@ -195,7 +196,7 @@ class Crossing:
         Unstable modes at held pressure on the two sides.
     state, mode
         The state there, and the critical mode as displacements with 1 mm at most (its ``load_mpa`` is the critical
-        pressure); None when only the numbers were kept.
+        pressure); None when only the numbers were kept, or the mode could not be computed.
     """
 
     kind: Cause

@@ -14,7 +14,7 @@ from solvers.linear.factor import Factor
 from solvers.paths.arc import plane_at, refuse_far, refuse_jump, scale_of, volume_turns_back
 from solvers.paths.crossing import locate_crossing, lost_stability
 from solvers.paths.onset import go_to_rest
-from solvers.paths.prediction import coordinates, extrapolate, place_of_pressure, predicted_pressure
+from solvers.paths.prediction import coordinates, extrapolate, peak, place_of_pressure, predicted_pressure
 from solvers.paths.states import (
     ControlName,
     Crossing,
@@ -23,6 +23,7 @@ from solvers.paths.states import (
     PathSettings,
     PathState,
     Progress,
+    point_now,
     point_of,
     record,
 )
@@ -31,6 +32,11 @@ from solvers.state import State
 
 # A pressure that is lower by more than this share of the highest asked one has fallen.
 FALL = 1e-6
+# Solves for a peak of the pressure within a step, at most, and the share of its foreseen height above the states around
+# it by which it may be higher than foreseen.
+CLIMBS, CLIMB_MARGIN = 8, 0.25
+# A change of the volume below this share of its unit says nothing.
+RESPONDS = 1e-6
 
 
 @dataclass
@@ -171,7 +177,7 @@ class Follower:
             control = plane_at(problem, walk.here.state, aim.guess, self.scale)
         report = solve_equilibrium(problem, self.factor, settings, control, seen)
         if aim.control == "pressure" and walk.control != "arc":
-            self.stayed_on_the_path(walk)
+            self.stayed_on_the_path(walk, report.compliance_mm3_per_mpa)
         if walk.control == "arc":
             refuse_far(aim.guess, problem.get_state(), aim.size, self.scale)
         item = record(problem, report, aim.asked, aim.control, self.begin)
@@ -179,8 +185,8 @@ class Follower:
             refuse_jump(walk.here, point_of(item))
         return item
 
-    def stayed_on_the_path(self, walk: Walk) -> None:
-        """Refuse a solution at a pressure that lies behind the last state or may lie beyond a snap-through.
+    def stayed_on_the_path(self, walk: Walk, compliance_mm3_per_mpa: float) -> None:
+        """Refuse a solution at a pressure that lies behind the last state, beyond a peak or maybe a snap-through.
 
         Between two limit points the path turns back in pressure, and a step in pressure jumps over that part without
         a sign. So it may not change the volume by more than twice the largest step that volume control would take.
@@ -190,24 +196,70 @@ class Follower:
             raise StepFailed("pressure control fell back to a smaller volume")
         if change > 2.0 * self.largest_step(walk, "volume"):
             raise StepFailed("a step in pressure changed the volume by more than could be followed")
+        # where an asked pressure is met first it rises
+        if change > RESPONDS * self.unit["volume"] and self.problem.conservative and compliance_mm3_per_mpa < 0.0:
+            raise StepFailed("a step in pressure ended beyond a limit point, where the pressure falls")
 
     def step(self, walk: Walk, aim: Aim) -> list[PathState]:
-        """The aimed-at state, and before it asked pressures that were passed without having been foreseen."""
-        here = walk.here
-        found = [self.solve(aim, walk)]
+        """The aimed-at state, and before it asked pressures that were passed without having been foreseen.
+
+        Where the pressure peaks on the way and asked ones lie below the peak, the step ends near it instead.
+        """
+        last = self.solve(aim, walk)
         if aim.control == "pressure":
-            return found
-        end = point_of(found[0])
-        passed = [p for p in self.targets[walk.reached :] if here.pressure_mpa < p <= end.pressure_mpa]
-        around = [*walk.history[-2:], end]
+            return [last]
+        last, around = self.climb(walk, aim, last)
+        first, found = len(walk.history[-2:]), [last]
+        passed = [p for p in self.targets[walk.reached :] if walk.here.pressure_mpa < p <= last.state.load_mpa]
         for pressure in reversed(passed):
-            start, _ = coordinates([here, end], walk.control, self.scale)
-            reached = 0.0 if walk.control == "arc" else found[0].volume_mm3
-            place = place_of_pressure(around, walk.control, start, reached, pressure, self.scale)
-            guess = extrapolate(around, walk.control, place, self.scale)
+            beyond = next(k for k in range(first, len(around)) if around[k].pressure_mpa >= pressure)
+            near = around[max(beyond - 2, 0) : beyond + 1]
+            start, end = coordinates(near, walk.control, self.scale)[-2:]
+            place = place_of_pressure(near, walk.control, start, end, pressure, self.scale)
+            guess = extrapolate(near, walk.control, place, self.scale)
             found.insert(0, self.solve(Aim("pressure", pressure, aim.size, True, guess), walk))
         # a step that went beyond the last asked pressure is not part of the answer
         return found[:-1] if walk.reached + len(passed) == len(self.targets) else found
+
+    def climb(self, walk: Walk, aim: Aim, last: PathState) -> tuple[PathState, list[PathPoint]]:
+        """Where a step ends: at its aim, or near a peak of the pressure on the way if an asked one is below that.
+
+        The peak is foreseen from pressures and slopes of the closest states on both sides, and solved for, until it is
+        above the asked pressure or known to be below.
+
+        Returns
+        -------
+        tuple
+            The last state; and in their order on the path up to two states before the step and all up to the last.
+        """
+        low, high = walk.here, point_of(last)
+        rising = list(walk.history[-2:])
+        around = [*rising, high]
+        if walk.control == "arc" and low.unstable_at_volume != high.unstable_at_volume:
+            return last, around  # the volume turns back
+        if math.isnan(low.slope_mpa_per_mm3) and (high.slope_mpa_per_mm3 < 0.0 or high.pressure_mpa < low.pressure_mpa):
+            self.problem.set_state(low.state)  # the unloaded one, whose slope nobody has needed yet
+            held = HeldLoad(low.pressure_mpa)
+            low = point_now(self.problem, solve_equilibrium(self.problem, self.factor, self.settings.newton, held))
+        for _ in range(CLIMBS):
+            found, reached = peak(low, high), max(low.pressure_mpa, high.pressure_mpa)
+            asked = next((p for p in self.targets[walk.reached :] if p > reached), math.inf)
+            if found is None or asked > found[1] + CLIMB_MARGIN * (found[1] - reached):
+                break
+            near = [*rising[-2:], high]
+            start, end = coordinates(near, walk.control, self.scale)[-2:]
+            place = start + found[0] * (end - start)
+            guess = extrapolate(near, walk.control, place, self.scale)
+            item = self.solve(Aim(walk.control, place, aim.size, False, guess), walk)
+            new = point_of(item)
+            if new.pressure_mpa >= asked:
+                last, around = item, [*rising, new]
+            if new.slope_mpa_per_mm3 * (high.volume_mm3 - low.volume_mm3) > 0.0:
+                low = new
+                rising.append(new)
+            else:
+                high = new
+        return last, around
 
     # ---- after a step ----------------------------------------------------------------------------------
 
@@ -270,7 +322,7 @@ class Follower:
     def _volume_responds(self, walk: Walk) -> bool:
         """True if the last step changed the volume by more than what control by volume could not resolve."""
         change = walk.here.volume_mm3 - walk.history[-2].volume_mm3 if len(walk.history) > 1 else 0.0
-        return change > 1e-6 * self.unit["volume"]
+        return change > RESPONDS * self.unit["volume"]
 
     def _switch(self, walk: Walk, control: ControlName) -> None:
         """Change the control; the step is as large as the last one was in the new measure."""

@@ -79,7 +79,8 @@ def follow_guesses(
             continue
         states.append(record(problem, report, share >= 1.0, "pressure", begin))
         new, crossing = point_of(states[-1]), memory.crossing
-        stiffest = max(stiffest, new.slope_mpa_per_mm3)
+        if math.isfinite(new.slope_mpa_per_mm3):
+            stiffest = max(stiffest, new.slope_mpa_per_mm3)
         if crossing is None and settings.crossing_tolerance > 0.0 and lost_stability(last, new):
             crossing = locate_crossing(problem, factor, settings.newton, last, new, settings.crossing_tolerance)
             problem.set_state(new.state)

@@ -19,6 +19,7 @@ from solvers.paths.warm_start import follow_guesses
 from solvers.problem import Problem
 from solvers.state import State
 from studies.branches.findings import Findings, fact, point
+from studies.first_rank import first
 from studies.models.build import revolve_state, scene_problem
 from studies.results import provenance
 from studies.scene.bellows import BellowsScene
@@ -36,8 +37,8 @@ TOLERANCE: Final = 1e-3
 def blocked_bellows(comm: MPI.Comm) -> Findings:
     """The bellows over all ranks: its pair of critical modes, and the branch in the plane y = 0."""
     scene = load_bellows(SCENE)
-    meridian = comm.bcast(scene_meridian(scene, 1) if comm.rank == 0 else None)
-    straight = comm.bcast(_straight(scene, meridian) if comm.rank == 0 else None)
+    meridian = first(comm, lambda: scene_meridian(scene, 1))
+    straight = first(comm, lambda: _straight(scene, meridian))
     body = scene_body(meridian, "full3d", AROUND)
     problem = scene_problem(scene, body if comm.rank == 0 else None, comm)
     factor = Factor(problem)

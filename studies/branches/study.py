@@ -17,7 +17,8 @@ from mpi4py import MPI
 
 from studies.branches import exact, squirm
 from studies.branches.findings import Findings, Point
-from studies.engine import Page, Setting, Solved, Study, first
+from studies.engine import Page, Setting, Solved, Study
+from studies.first_rank import first
 from studies.report.numbers import count, duration, number_text
 from studies.report.style import BLACK, BLUE, ORANGE, VERMILION, figure_file
 from studies.report.tables import Table, table_of

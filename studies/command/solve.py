@@ -56,7 +56,8 @@ def solve(scene: Path, out: Path, model: Model | None, as_json: bool) -> None:
     """Solve SCENE; writes path.csv, summary.json and rows.csv into the output folder.
 
     Finished runs of the same content are not repeated, an interrupted one goes on. Exit codes: 0 all requested
-    pressures reached; 2 bad input, nothing written; 3 stopped early, what was reached is kept.
+    pressures reached within the tolerance; 2 bad input, nothing written; 3 stopped early or the tolerance is not met,
+    what was reached is kept.
     """
     ((checked, text),) = load_scenes((scene,), model)
     check_writable(out)
@@ -109,7 +110,7 @@ def solve_scene(scene: Scene, text: str, plan: Plan, out: Path, comm: MPI.Comm, 
             return STOPPED
         if comm.rank == 0:
             _tell(result, as_json)
-        return 0 if result.reached else STOPPED
+        return 0 if result.reached and not result.missed else STOPPED
 
     return guarded(scene.name, work)
 
@@ -124,3 +125,5 @@ def _tell(result: SceneResult[Scene], as_json: bool) -> None:
         click.echo(f"{result.scene.name}: {note}", err=True)
     if not result.reached:
         click.echo(f"{result.scene.name}: stopped early: {result.reason}", err=True)
+    if result.missed:
+        click.echo(f"{result.scene.name}: {result.shortfall}", err=True)

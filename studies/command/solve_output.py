@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from studies.models.session import SceneResult
+from studies.models.tolerance import worst_percent
 from studies.report.labels import model_label, ordered, quantity_label, run_label
 from studies.report.numbers import signed
 from studies.results.rows import REACHED, Row
@@ -36,7 +37,7 @@ def show(result: SceneResult[Scene]) -> None:
         table, against = answers(quantity, result.headlines)
         console.print(f"{result.scene.name}: {quantity_label(quantity)}; in brackets % from {against}", soft_wrap=True)
         console.print(table)
-    for line in (verdict(result), result.remark):
+    for line in ("" if result.missed else verdict(result), result.remark):  # what is missed is an error
         if line:
             console.print(line, soft_wrap=True)
 
@@ -89,23 +90,18 @@ def _apart(row: Row | None, value: float) -> str:
 
 
 def verdict(result: SceneResult[Scene]) -> str:
-    """Whether the best model's uncertainty holds the scene's tolerance, a sentence; empty for a closed form."""
+    """Whether the answer's uncertainty holds the scene's tolerance, a sentence; empty for a closed form."""
     run = result.answer
     if run is None:
         return ""
-    tolerance = result.scene.ask.tolerance_percent
-    wanted = next((row.quantity for row in result.headlines if row.unit in ("mm", "N")), "")
-    rows = [
-        row
-        for row in result.headlines
-        if (row.quantity, row.model, row.level) == (wanted, run.summary.model, run.summary.level)
-    ]
-    shares = [100.0 * row.uncertainty / abs(row.value) for row in rows if row.value and math.isfinite(row.uncertainty)]
+    tolerance = f"tolerance {result.scene.ask.tolerance_percent:g} %"
     name = run_label(run.summary.model, run.summary.level)
-    if not shares:
-        return f"tolerance {tolerance:g} %: cannot be told from one mesh ({name})"
-    met = "met" if max(shares) <= tolerance else "NOT met"
-    return f"tolerance {tolerance:g} %: {met}, {name} is certain within {max(shares):.2g} %"
+    percent = worst_percent(result.answers)
+    if result.missed:
+        return result.shortfall
+    if not math.isfinite(percent):
+        return f"{tolerance}: cannot be told from one mesh ({name})"
+    return f"{tolerance}: met, {name} is certain within {percent:.2g} %"
 
 
 def as_json(result: SceneResult[Scene]) -> str:
@@ -115,6 +111,15 @@ def as_json(result: SceneResult[Scene]) -> str:
         "reached": result.reached,
         "reason": result.reason,
         "verdict": verdict(result),
+        "missed": [
+            {
+                "quantity": short.row.quantity,
+                "pressure_kpa": _known(short.row.pressure_kpa),
+                "reached_percent": _known(short.reached_percent),
+                "asked_percent": short.asked_percent,
+            }
+            for short in result.missed
+        ],
         "expected": result.remark,
         "warnings": list(result.unstable),
         "rows": [_plain(row) for row in result.headlines],
@@ -123,7 +128,8 @@ def as_json(result: SceneResult[Scene]) -> str:
 
 
 def _plain(row: Row) -> dict[str, Any]:
-    return {
-        name: None if isinstance(value, float) and not math.isfinite(value) else value
-        for name, value in asdict(row).items()
-    }
+    return {name: _known(value) if isinstance(value, float) else value for name, value in asdict(row).items()}
+
+
+def _known(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -32,6 +32,12 @@ def sweep(file: Path, out: Path) -> None:
     def work() -> int:
         outcome = farm.run_sweep(file, out, MPI.COMM_WORLD, Progress(MPI.COMM_WORLD))
         say(f"table: {out / 'sweep.csv'}")
+        if outcome.not_met:
+            say(
+                f"{outcome.not_met} of {outcome.scenes} scenes do not hold the tolerance: the column status says what "
+                "was reached; set ask.tolerance_percent to the largest of it",
+                err=True,
+            )
         return 0 if outcome.reached else STOPPED
 
     sys.exit(guarded(str(file), work))

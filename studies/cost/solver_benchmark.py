@@ -22,7 +22,8 @@ from solvers.paths.states import PathSettings
 from solvers.paths.warm_start import follow_guesses
 from solvers.problem import Problem
 from solvers.state import State
-from studies.engine import Page, Setting, Solved, Study, first
+from studies.engine import Page, Setting, Solved, Study
+from studies.first_rank import first
 from studies.models.build import revolve_state, scene_problem
 from studies.report.tables import table_of
 from studies.results import provenance

@@ -22,6 +22,7 @@ from solvers.paths.prescribed import follow_motion
 from solvers.paths.states import Path as EquilibriumPath
 from solvers.paths.states import PathMemory, PathPoint, PathSettings, PathState
 from solvers.state import State
+from studies.first_rank import first
 from studies.models.body_problem import Body, body_of, enclosed_mm3, measures, problem_of
 from studies.models.run_log import Log, begin, on_first_rank, path_row, without_fields, write_fields
 from studies.progress import Progress
@@ -69,7 +70,7 @@ def run_simple_body(
     """
 
     def run(on: MPI.Comm) -> Run:
-        done = on.bcast(_finished(scene, model, level, folder) if on.rank == 0 else None)
+        done = first(on, lambda: _finished(scene, model, level, folder))
         return done or _solve(scene, model, level, folder, on, progress, skipped)
 
     return run(comm) if model != "axisymmetric" else on_first_rank(comm, lambda: run(MPI.COMM_SELF))

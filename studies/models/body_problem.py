@@ -13,7 +13,9 @@ import numpy as np
 from mpi4py import MPI
 
 from meshes.bodies import (
+    GRADED_BEYOND,
     block,
+    cells_through,
     cook_membrane,
     cylinder_meridian,
     sphere_meridian,
@@ -55,6 +57,8 @@ LONGEST_ROW = 40
 CAP_MPA_PER_MM = 1e6
 # Stiffness of the layer between a twisted cylinder and its plate, MPa/mm: it slips by 1e-7 of its own twist.
 TWIST_MPA_PER_MM = 1e5
+# Both are for silicones: layers on a body of a larger initial shear modulus, MPa, are as much stiffer.
+SILICONE_MPA = 0.1
 
 
 @dataclass(frozen=True)
@@ -112,20 +116,28 @@ def problem_of(scene: BodyScene, body: Body, comm: MPI.Comm) -> Problem:
     domain = create_domain(
         comm, dataclasses.replace(mesh, regions=np.full(len(mesh.cells), SOFT)) if comm.rank == 0 else None
     )
-    cap = _plate(body) if body.capped or body.twisted else None
     law, element = law_of(scene.material), element_of(scene.mesh)
+    stiffer = max(1.0, law.initial_shear_modulus_mpa / SILICONE_MPA)
+    cap = _plate(body, stiffer) if body.capped or body.twisted else None
     return Problem(domain, law, inverse_kappa(scene.material), body.surfaces, None, cap, element, frame=body.frame)
 
 
-def _plate(body: Body) -> RigidBodies:
-    """The plate that twists a cylinder, or a tube's cap: level, and the end slides on it so that the tube stays one."""
+def _plate(body: Body, stiffer: float) -> RigidBodies:
+    """The plate that twists a cylinder, or a tube's cap: level, and the end slides on it so that the tube stays one.
+
+    Parameters
+    ----------
+    stiffer
+        By what the stiffness of its layer is multiplied.
+    """
     points = body.mesh.points
     grade, centre = np.ones(len(points)), np.array([float(points[:, -1].max())])
     if body.twisted:
-        return RigidBodies(TWIST_MPA_PER_MM, TWIST_MPA_PER_MM, grade, centre, 1.0, plate=0, plate_held=True)
+        twist = stiffer * TWIST_MPA_PER_MM
+        return RigidBodies(twist, twist, grade, centre, 1.0, plate=0, plate_held=True)
     inner = float(np.hypot(points[:, 0], points[:, 1] * (body.mesh.dimension == 3)).min())
     area = math.pi * inner**2
-    return RigidBodies(CAP_MPA_PER_MM, 0.0, grade, centre, 1.0, axial_only=True, plate=0, plate_area_mm2=area)
+    return RigidBodies(stiffer * CAP_MPA_PER_MM, 0.0, grade, centre, 1.0, axial_only=True, plate=0, plate_area_mm2=area)
 
 
 def measures(scene: BodyScene, mesh: SolidMesh) -> dict[str, Callable[[State], float]]:
@@ -176,18 +188,20 @@ def enclosed_mm3(scene: BodyScene, load_volume_mm3: float) -> float:
 
 def _tube(g: TubeGeometry, model: str, fine: int, cells: CellKind) -> Body:
     refine = fine if model == "axisymmetric" else 1
-    through = 2 * fine if model == "axisymmetric" else max(2, fine // 4)
-    along = through // 2
+    in_wall = 2 * fine if model == "axisymmetric" else max(2, fine // 4)
+    along = in_wall // 2
     if g.ends == "bonded":
-        wall = g.outer_radius_mm - g.inner_radius_mm
+        wall = min(g.outer_radius_mm, GRADED_BEYOND * g.inner_radius_mm) - g.inner_radius_mm
         along = min(math.ceil(2.0 * g.length_mm / wall), LONGEST_ROW) * refine
         along = max(2, along if model == "axisymmetric" else along * fine // 12)
+    through = cells_through(g.outer_radius_mm / g.inner_radius_mm, in_wall)
     meridian = tube_meridian(g.inner_radius_mm, g.outer_radius_mm, g.length_mm, along, through, cells)
     return _swept(meridian, model, fine, g.ends)
 
 
 def _sphere(g: SphereGeometry, model: str, fine: int, cells: CellKind) -> Body:
-    along, through = (6 * fine, 2 * fine) if model == "axisymmetric" else (max(6, fine // 2), max(2, fine // 4))
+    along, in_wall = (6 * fine, 2 * fine) if model == "axisymmetric" else (max(6, fine // 2), max(2, fine // 4))
+    through = cells_through(g.outer_radius_mm / g.inner_radius_mm, in_wall)
     meridian = sphere_meridian(g.inner_radius_mm, g.outer_radius_mm, along, through, cells)
     body = _swept(meridian, model, fine, "symmetric")
     return dataclasses.replace(body, parts=2 * body.parts)
@@ -232,7 +246,8 @@ def _three_pins(mesh: SolidMesh) -> Held:
 
 def _ring(g: RingGeometry, fine: int, dead: bool) -> Body:
     wall = g.outer_radius_mm - g.inner_radius_mm
-    meridian = tube_meridian(g.inner_radius_mm, g.outer_radius_mm, 0.5 * wall, 1, 2 * fine, "quadrilaterals")
+    through = cells_through(g.outer_radius_mm / g.inner_radius_mm, 2 * fine)
+    meridian = tube_meridian(g.inner_radius_mm, g.outer_radius_mm, 0.5 * wall, 1, through, "quadrilaterals")
     angle = math.pi / g.waves
     mesh = revolve_hexahedra(meridian, 6 * fine, angle)
     # Components along both planes of symmetry: what crosses the one at angle 0 is the second, at the end the first.
@@ -267,8 +282,9 @@ def _cook(fine: int) -> Body:
 
 
 def _ventricle(g: VentricleGeometry, model: str, fine: int, cells: CellKind) -> Body:
-    along, through = (8 * fine, 2 * fine) if model == "axisymmetric" else (fine, max(2, fine // 8))
+    along, in_wall = (8 * fine, 2 * fine) if model == "axisymmetric" else (fine, max(2, fine // 8))
     inner, outer = (g.inner_across_mm, g.inner_along_mm), (g.outer_across_mm, g.outer_along_mm)
+    through = cells_through(max(b / a for a, b in zip(inner, outer, strict=True)), in_wall)
     meridian = ventricle_meridian(inner, outer, g.base_mm, along, through, cells)
     clamped, cavity = FACETS["clamped"], FACETS["cavity"]
     if model == "axisymmetric":

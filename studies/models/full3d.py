@@ -18,6 +18,7 @@ from solvers.paths.states import GuessMemory, PathSettings
 from solvers.paths.states import Path as EquilibriumPath
 from solvers.paths.warm_start import follow_guesses
 from solvers.state import State
+from studies.first_rank import first
 from studies.models.build import Tip, masses_g, revolve_state, scene_problem
 from studies.models.gaps import GapMeter
 from studies.models.run_log import Log, begin, path_row, without_fields, write_fields
@@ -62,10 +63,8 @@ def run_full3d(
         What the plan does not compute, for the summary.
     """
     content_hash = run_hash(scene, model, level.name)
-    done = comm.bcast(finished_run(folder, content_hash) if comm.rank == 0 else None)
+    done = first(comm, lambda: _finished(scene, model, level, folder, content_hash))
     if done is not None:
-        if comm.rank == 0 and scene.ask.fields and (missing := without_fields(folder, done)):
-            write_fields(folder, done, _meshes(scene, model, level)[1], missing)
         return done
     job = begin(scene, model, level.name, folder, progress, skipped, content_hash)
     meridian, body = _meshes(scene, model, level, comm)
@@ -86,8 +85,7 @@ def run_full3d(
     path = _follow(log, guesses)
     if path.cause is Cause.OUT_OF_MEMORY and model == "full3d" and scene.mesh.solver == "auto":
         log.notes.append(f"{path.reason}: solved iteratively from there")
-        log.factor.close()
-        log.factor = IterativeSolver(problem)
+        log.change_solver(IterativeSolver)
         path = _follow(log, guesses)
     if isinstance(log.factor, IterativeSolver):
         log.notes.append(NOT_COUNTED)
@@ -100,14 +98,27 @@ def run_full3d(
     return run
 
 
+def _finished(scene: BellowsScene, model: str, level: BodyLevel, folder: Path, content_hash: str) -> Run | None:
+    """The run if it is there; fields that were not wanted before are written now."""
+    done = finished_run(folder, content_hash)
+    if done is not None and scene.ask.fields and (missing := without_fields(folder, done)):
+        write_fields(folder, done, _meshes(scene, model, level)[1], missing)
+    return done
+
+
 def _meshes(
     scene: BellowsScene, model: str, level: BodyLevel, comm: MPI.Comm = MPI.COMM_SELF
 ) -> tuple[SolidMesh, SolidMesh]:
     """The meridian and the body.
 
     Every rank makes the body: it takes a second, and all need it to read and to write states.
+
+    Raises
+    ------
+    GeometryError, MeshError
+        On every rank.
     """
-    meridian = comm.bcast(scene_meridian(scene, level.meridian) if comm.rank == 0 else None)
+    meridian = first(comm, lambda: scene_meridian(scene, level.meridian))
     return meridian, scene_body(meridian, model, level.around, core_shift_mm(scene))
 
 

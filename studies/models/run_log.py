@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import shutil
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
@@ -26,12 +27,18 @@ from solvers.paths.states import Crossing, GuessMemory, PathMemory, PathState
 from solvers.paths.states import Path as EquilibriumPath
 from solvers.problem import Problem
 from solvers.vtu import write_mode, write_vtu
+from studies.first_rank import first
 from studies.models.build import Tip
-from studies.models.contact import ContactWatch
+from studies.models.contact import CONTACT_FILE, ContactWatch
 from studies.models.gaps import GapMeter, Touch
 from studies.progress import Progress
 from studies.results import provenance
 from studies.results.run_files import (
+    COLLECTION_FILE,
+    FIELDS_FOLDER,
+    PATH_FILE,
+    STATES_FOLDER,
+    SUMMARY_FILE,
     PathRow,
     RunSummary,
     field_file,
@@ -41,7 +48,7 @@ from studies.results.run_files import (
     write_path,
     write_summary,
 )
-from studies.results.runs import Run, farthest_kpa, run_hash
+from studies.results.runs import MEASURED_FILE, Run, farthest_kpa, run_hash
 from studies.scene.load import Scene
 
 CHECKPOINT_FILE, MODE_FILE = "checkpoint.npz", "critical_mode"
@@ -99,19 +106,12 @@ def on_first_rank(comm: MPI.Comm, solve: Callable[[], Run]) -> Run:
     OSError, SolverError
         On every rank, if rank 0 failed.
     """
-    answer: Run | Exception | None = None
-    if comm.rank == 0:
-        try:
-            answer = solve()
-        except Exception as error:
-            answer = error
-    answer = comm.bcast(answer)
-    if isinstance(answer, OSError | SolverError):
-        raise answer
-    if isinstance(answer, Exception):
-        raise SolverError(f"axisymmetric run: {answer}") from answer
-    assert answer is not None
-    return answer
+    try:
+        return first(comm, solve)
+    except (OSError, SolverError):
+        raise
+    except Exception as error:
+        raise SolverError(f"axisymmetric run: {error}") from error
 
 
 def ending(reason: str, notes: Sequence[str]) -> str:
@@ -157,7 +157,7 @@ class Log:
         return self.job.folder / CHECKPOINT_FILE
 
     def _read_checkpoint(self) -> None:
-        """Go on where an interrupted run of the same content was."""
+        """Go on where an interrupted run of the same content was, or start with nothing of another content there."""
         job = self.job
         found: tuple[PathMemory | GuessMemory, Any] | str | None = None
         if self.comm.rank == 0:
@@ -165,6 +165,8 @@ class Log:
                 found = read_checkpoint(self._file, job.content_hash)
             except CheckpointError as error:
                 found = str(error)
+            if not isinstance(found, tuple):
+                self._clear()
         found = self.comm.bcast(found)
         if isinstance(found, str):
             self.notes.append(f"warning: {found}; this run started anew")
@@ -175,6 +177,27 @@ class Log:
             self._factorisations, self._seconds = kept["factorisations"], kept["seconds"]
             self.notes = list(kept["notes"])
             job.progress.warn(f"{job.label}: going on after {self.rows[-1].pressure_kpa:.6g} kPa, from its checkpoint")
+
+    def _clear(self) -> None:
+        """Remove what a run of another content has left; its summary first, so that nothing is taken for its result."""
+        names = (
+            SUMMARY_FILE,
+            PATH_FILE,
+            MEASURED_FILE,
+            CONTACT_FILE,
+            COLLECTION_FILE,
+            *(f"{MODE_FILE}.{kind}" for kind in ("npz", "vtu")),
+        )
+        for name in names:
+            (self.job.folder / name).unlink(missing_ok=True)
+        for name in (STATES_FOLDER, FIELDS_FOLDER):
+            shutil.rmtree(self.job.folder / name, ignore_errors=True)
+
+    def change_solver(self, make: Callable[[Problem], Factor]) -> None:
+        """Go on with another solver; what the last one made counts, and its memory is freed first."""
+        self._factorisations += self.factor.count
+        self.factor.close()
+        self.factor = make(self.problem)
 
     def state(self, item: PathState) -> PathRow:
         """Take in a converged state."""
@@ -312,6 +335,7 @@ def path_row(item: PathState, tip: Tip | None, parts: int = 1, sense: float = 1.
         status="requested" if item.asked else "step",
         bond_slip_rms_mm=item.bond_slip_mm,
         limit_kpa=sense * 1e3 * item.limit_mpa,
+        residual=item.newton.residual,
     )
 
 

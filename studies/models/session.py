@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import shutil
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Generic, TypeVar
 
@@ -18,6 +18,8 @@ from studies.models.axisymmetric import run_axisymmetric
 from studies.models.closed_form import run_closed_form
 from studies.models.full3d import SolidModel, run_full3d
 from studies.models.modes import COUNTED_LEVELS
+from studies.models.tolerance import Shortfall, asked_of, finer_body, first_body, marked, shortfalls, until_good_enough
+from studies.models.tolerance import sentence as shortfall_sentence
 from studies.planning.bodies import models_of
 from studies.planning.error_model import MERIDIAN_SHARE
 from studies.planning.levels import MODELS, BodyLevel, fineness, ranking
@@ -26,8 +28,8 @@ from studies.planning.planner import make_plan
 from studies.progress import Progress
 from studies.results.bellows_rows import bellows_rows
 from studies.results.expectations import expectation_rows, sentence
-from studies.results.rows import Row, write_rows
-from studies.results.run_files import PATH_FILE, SUMMARY_FILE
+from studies.results.rows import NOT_MET, Row, write_rows
+from studies.results.run_files import PATH_FILE, SUMMARY_FILE, read_summary, write_summary
 from studies.results.runs import MERIDIAN_ORDERS, Run, of_model, read_run, run_hash, tip_at, tip_convergence
 from studies.scene.bellows import BellowsScene
 from studies.scene.bodies import BodyScene
@@ -41,11 +43,12 @@ SceneKind = TypeVar("SceneKind", bound=Scene)
 
 @dataclass(frozen=True)
 class SceneResult(Generic[SceneKind]):
-    """All runs of a scene, those of each model coarsest first, and the comparison rows."""
+    """All runs of a scene, those of each model coarsest first, the comparison rows, and which miss the tolerance."""
 
     scene: SceneKind
     runs: tuple[Run, ...]
     rows: tuple[Row, ...]
+    missed: tuple[Shortfall, ...] = ()
 
     @property
     def axisymmetric(self) -> tuple[Run, ...]:
@@ -80,8 +83,19 @@ class SceneResult(Generic[SceneKind]):
 
     @property
     def reason(self) -> str:
-        """Why not."""
-        return "" if self.stopped is None else self.stopped.summary.reason
+        """Why not, or else by how much which value misses the tolerance and what to do; empty if all is well."""
+        return self.shortfall if self.stopped is None else self.stopped.summary.reason
+
+    @property
+    def shortfall(self) -> str:
+        """By how much which value misses the tolerance, and what to do; empty if none does or none was asked."""
+        return shortfall_sentence(self.scene, self.missed, len(self.answers))
+
+    @property
+    def answers(self) -> tuple[Row, ...]:
+        """Rows of the answer that the tolerance is asked of."""
+        run = self.answer
+        return () if run is None else asked_of(self.scene, self.rows, run.summary.model, run.summary.level)
 
     @property
     def headlines(self) -> tuple[Row, ...]:
@@ -90,7 +104,7 @@ class SceneResult(Generic[SceneKind]):
 
     @property
     def unstable(self) -> tuple[str, ...]:
-        """What axisymmetric states are unstable against, and which of the answer's are by its count, a sentence each."""
+        """What axisymmetric states are unstable against, and which of the answer's by its count, a sentence each."""
         notes = [n for run in self.axisymmetric for n in run.summary.plan if n.startswith(UNSTABLE)]
         own = [row for row in self.answer.requested if row.unstable_modes > 0] if self.answer else []
         if self.answer and own:
@@ -126,13 +140,15 @@ def run_plan(
         (folder / SCENE_FILE).write_text(scene_text, encoding="utf-8")
     work = (plan, folder, comm, progress)
     runs = _body_runs(scene, *work) if isinstance(scene, BodyScene) else _bellows_runs(scene, *work)
-    result = SceneResult(scene, tuple(runs), tuple(_rows(scene, runs)))
+    result = _result(scene, runs, judged=not plan.fixed)
     if comm.rank == 0:
         write_rows(folder / ROWS_FILE, result.rows)
         if result.answer is not None:
-            source = folder / f"{result.answer.summary.model}-{result.answer.summary.level}"
-            for name in (PATH_FILE, SUMMARY_FILE):
-                shutil.copyfile(source / name, folder / name)
+            summary = result.answer.summary
+            shutil.copyfile(folder / f"{summary.model}-{summary.level}" / PATH_FILE, folder / PATH_FILE)
+            if result.missed and result.reached:
+                summary = replace(summary, status=NOT_MET, reason=result.reason)
+            write_summary(folder, summary)
     comm.barrier()
     return result
 
@@ -140,8 +156,11 @@ def run_plan(
 def run_all_models(
     scene: BodyScene, scene_text: str, folder: Path, comm: MPI.Comm, progress: Progress
 ) -> SceneResult[BodyScene]:
-    """Run a simple body with every model it has, all levels of each, into one folder; see `run_plan`."""
-    plans = [make_plan(scene, model) for model in models_of(scene)]
+    """Run a simple body with every model it has, all levels of each, into one folder; see `run_plan`.
+
+    The meshes are what is looked at, so no tolerance is asked of them.
+    """
+    plans = [make_plan(scene, model).as_fixed() for model in models_of(scene)]
     results = [run_plan(scene, scene_text, plan, folder, comm, progress) for plan in plans]
     runs = tuple(run for result in results for run in result.runs)
     rows = tuple(row for result in results for row in result.rows)
@@ -170,7 +189,19 @@ def read_scene_folder(scene: SceneKind, folder: Path, current: bool = False) -> 
     if current:
         found = [r for r in found if r.summary.content_hash == run_hash(scene, r.summary.model, r.summary.level)]
     runs = [run for model in MODELS for run in sorted(of_model(found, model), key=lambda r: ranking(r.summary.level))]
-    return SceneResult(scene, tuple(runs), tuple(_rows(scene, runs)))
+    return _result(scene, runs, judged=_missed_before(folder))
+
+
+def _missed_before(folder: Path) -> bool:
+    """True if the folder's own summary says that the tolerance was asked and not met."""
+    return (folder / SUMMARY_FILE).exists() and read_summary(folder).status == NOT_MET
+
+
+def _result(scene: SceneKind, runs: Sequence[Run], judged: bool) -> SceneResult[SceneKind]:
+    """Runs with their rows, those of the answer judged by the tolerance or not."""
+    rows = tuple(_rows(scene, runs))
+    missed = shortfalls(scene, rows, runs[-1].summary.model, runs[-1].summary.level) if judged and runs else ()
+    return SceneResult(scene, tuple(runs), marked(rows, missed), missed)
 
 
 def _rows(scene: Scene, runs: Sequence[Run]) -> list[Row]:
@@ -185,26 +216,12 @@ def _rows(scene: Scene, runs: Sequence[Run]) -> list[Row]:
 # --- levels until they are good enough ----------------------------------------------------------------------
 
 
-def _until_good_enough(
-    plan: Plan, solve: Callable[[Sequence[str]], list[Run]], good_enough: Callable[[Sequence[Run]], bool]
-) -> list[Run]:
-    """Runs of a plan's levels, of those that are left to the results only as many as are needed."""
-    runs = solve(plan.certain)
-    for level in plan.perhaps:
-        if good_enough(runs):
-            break
-        runs += solve((level,))
-    return runs
-
-
 def _within_tolerance(scene: Scene, runs: Sequence[Run]) -> bool:
-    """True if the finest run's uncertainty, as its levels show it, is within the scene's tolerance everywhere."""
-    finest = [r for r in _rows(scene, runs) if r.level == runs[-1].summary.level]
-    if isinstance(scene, BodyScene):
-        wanted = [r for r in finest if r.quantity in scene.quantities and math.isfinite(r.value)]
-    else:
-        wanted = [r for r in finest if r.quantity == scene.main_quantity and r.model == "axisymmetric"]
-    return all(r.uncertainty <= 0.01 * scene.ask.tolerance_percent * abs(r.value) for r in wanted)
+    """True if the finest run holds the scene's tolerance wherever it was asked; of a bellows, if it reached all."""
+    finest = runs[-1].summary
+    if not isinstance(scene, BodyScene) and finest.status != "reached":
+        return False
+    return not shortfalls(scene, _rows(scene, runs), finest.model, finest.level)
 
 
 def _body_runs(scene: BodyScene, plan: Plan, folder: Path, comm: MPI.Comm, progress: Progress) -> list[Run]:
@@ -216,7 +233,7 @@ def _body_runs(scene: BodyScene, plan: Plan, folder: Path, comm: MPI.Comm, progr
             for level in levels
         ]
 
-    return _until_good_enough(plan, solve, lambda runs: _within_tolerance(scene, runs))
+    return until_good_enough(plan, solve, lambda runs: _within_tolerance(scene, runs), plan.model)
 
 
 def _bellows_runs(scene: BellowsScene, plan: Plan, folder: Path, comm: MPI.Comm, progress: Progress) -> list[Run]:
@@ -226,12 +243,19 @@ def _bellows_runs(scene: BellowsScene, plan: Plan, folder: Path, comm: MPI.Comm,
             return _within_tolerance(scene, runs)
         return good_meridian(scene, runs, plan.body_levels) is not None
 
-    runs = _until_good_enough(plan, lambda levels: _shared_out(scene, levels, folder, comm, progress), good_enough)
+    def solve(levels: Sequence[str]) -> list[Run]:
+        return _shared_out(scene, levels, folder, comm, progress)
+
+    flat = plan if plan.model == "axisymmetric" else plan.as_fixed()
+    runs = until_good_enough(flat, solve, good_enough, "axisymmetric")
     if scene.ask.modes and plan.model != "full3d":  # the whole body's inertia counts them all
         runs = _counted(scene, runs, folder, comm, progress)
     if plan.model == "closed_form":
         run_closed_form(scene, folder, comm)
-    return [*runs, *(_runs_in_3d(scene, plan, runs, folder, comm, progress) if plan.around_levels else ())]
+    if not plan.around_levels:
+        return runs
+    bodies = _runs_in_3d(scene, plan, runs, folder, comm, progress)
+    return _refined_in_3d(scene, plan, runs, bodies, folder, comm, progress)
 
 
 def _shared_out(
@@ -284,12 +308,48 @@ def _runs_in_3d(
     meridian = good_meridian(scene, axisymmetric, plan.body_levels) or max(set(known) & set(plan.body_levels))
     wanted: list[tuple[BellowsScene, SolidModel, BodyLevel]] = []
     wanted += [(beside, "sector", BodyLevel(n, plan.body_levels[0])) for n in plan.sector_levels]
-    wanted += [(scene, plan.model, BodyLevel(n, meridian)) for n in plan.around_levels]
-    runs = []
-    for of, model, level in wanted:
-        base, place = folder / f"axisymmetric-r{level.meridian}", folder / f"{model}-{level.name}"
-        runs.append(run_full3d(of, model, level, base, place, comm, progress, plan.skipped))
-    return runs
+    bodies = [BodyLevel(n, meridian) for n in plan.around_levels]
+    if not plan.fixed:
+        bodies = [first_body(scene, plan.model, body, axisymmetric) for body in bodies]
+    wanted += [(scene, plan.model, body) for body in bodies]
+    return [_run_in_3d(of, model, level, plan, folder, comm, progress) for of, model, level in wanted]
+
+
+def _run_in_3d(
+    scene: BellowsScene,
+    model: SolidModel,
+    level: BodyLevel,
+    plan: Plan,
+    folder: Path,
+    comm: MPI.Comm,
+    progress: Progress,
+) -> Run:
+    base, place = folder / f"axisymmetric-r{level.meridian}", folder / f"{model}-{level.name}"
+    return run_full3d(scene, model, level, base, place, comm, progress, plan.skipped)
+
+
+def _refined_in_3d(
+    scene: BellowsScene,
+    plan: Plan,
+    axisymmetric: list[Run],
+    bodies: list[Run],
+    folder: Path,
+    comm: MPI.Comm,
+    progress: Progress,
+) -> list[Run]:
+    """All runs, with finer ones as long as the body does not hold the tolerance and one is left."""
+    assert plan.model == "sector" or plan.model == "full3d"
+    while not plan.fixed:
+        body, rows = bodies[-1], _rows(scene, [*axisymmetric, *bodies])
+        missed = shortfalls(scene, rows, plan.model, body.summary.level)
+        finer = finer_body(scene, rows, axisymmetric, body, missed)
+        if finer is None:
+            break
+        if isinstance(finer, BodyLevel):
+            bodies = [*bodies, _run_in_3d(scene, plan.model, finer, plan, folder, comm, progress)]
+        else:
+            axisymmetric = [*axisymmetric, *_shared_out(scene, (finer,), folder, comm, progress)]
+    return [*axisymmetric, *bodies]
 
 
 def good_meridian(scene: BellowsScene, axisymmetric: Sequence[Run], levels: Sequence[int]) -> int | None:

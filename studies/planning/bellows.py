@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from studies.planning.error_model import MERIDIAN_SHARE, around_for, choose, knows, meridians_for
-from studies.planning.levels import MERIDIANS, Model
-from studies.planning.plan import Plan
+from studies.planning.levels import FINER_MERIDIANS, MERIDIANS, Model
+from studies.planning.plan import Plan, tolerance_lines
 from studies.scene.bellows import RING_ERROR_PERCENT, BellowsScene, in_hexahedra
 from studies.scene.sections import SceneError
 
@@ -32,7 +32,8 @@ def plan_bellows(
     sectors
         The same for a sector beside full 3D.
     every_level
-        Solve all meridian levels, for the convergence study of a report.
+        Solve all meridian levels, for the convergence study of a report. Meshes that are said, by this or by numbers of
+        cells round, are solved whatever they leave of error: no tolerance is asked of them.
 
     Raises
     ------
@@ -43,17 +44,19 @@ def plan_bellows(
         _refuse(scene, model)
     chosen: Model = model or ("full3d" if scene.geometry.eccentricity else "axisymmetric")
     if chosen == "closed_form":
-        return Plan(chosen, (), False, ("finite elements: the closed form was forced",))
+        return Plan(chosen, (), False, ("finite elements: the closed form was forced",), fixed=True)
     skipped = [*_other_models(scene, model), *_not_modelled(scene, chosen)]
     choice = choose(scene, chosen) if knows(scene) else None
     stop_when_met = not every_level and (model is None or chosen != "axisymmetric")
     coarsest = meridians_for(choice)[0] if choice is not None and stop_when_met else MERIDIANS[0]
     levels = tuple(f"r{m}" for m in MERIDIANS if m >= coarsest)
+    fixed = every_level or bool(around or sectors)
+    finer = () if fixed else tuple(f"r{m}" for m in FINER_MERIDIANS)
     if chosen == "axisymmetric":
-        return Plan(chosen, levels, stop_when_met, tuple(skipped), choice=choice)
+        return Plan(chosen, levels, stop_when_met, tuple(skipped), finer=finer, fixed=fixed, choice=choice)
     skipped += _left_out_in_3d(scene, chosen, bool(around))
     rounds = around or (around_for(scene, chosen),)
-    return Plan(chosen, levels, stop_when_met, tuple(skipped), rounds, sectors, choice=choice)
+    return Plan(chosen, levels, stop_when_met, tuple(skipped), rounds, sectors, finer=finer, fixed=fixed, choice=choice)
 
 
 def _refuse(scene: BellowsScene, model: Model) -> None:
@@ -147,4 +150,4 @@ def bellows_lines(scene: BellowsScene, plan: Plan) -> list[str]:
         )
     for around in plan.around_levels:
         lines.append(f"  {body}, {cells}, meridian level {meridians}, {around} cells round: {pressures} kPa")
-    return lines
+    return [*lines, *tolerance_lines(plan, scene.ask.tolerance_percent)]

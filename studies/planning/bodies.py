@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from meshes.by_gmsh.user_mesh import read_user_mesh
-from studies.planning.levels import MERIDIANS, Model
-from studies.planning.plan import Plan
+from studies.planning.levels import FINER_MERIDIANS, MERIDIANS, Model
+from studies.planning.plan import Plan, tolerance_lines
 from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import CylinderGeometry, MeshGeometry, TubeGeometry
 from studies.scene.sections import SceneError
@@ -18,6 +18,8 @@ AROUND_LEVELS = {"hexahedra": ("n8", "n16"), "tetrahedra": ("n12", "n16")}
 RING_LEVELS, BLOCK_LEVELS, USER_LEVELS = ("r1", "r2"), ("n2", "n3"), ("m1",)
 COOK_LEVELS = ("n8", "n16", "n32")
 CYLINDER_LEVELS = {"hexahedra": ("n8", "n12", "n16"), "tetrahedra": ("n8", "n12", "n16")}
+# The same for a tolerance that these do not hold.
+FINER_AROUND, FINER_COOK, FINER_RINGS, FINER_BLOCKS = ("n24", "n32", "n48"), ("n64", "n128"), ("r4", "r8"), ("n4", "n6")
 NOT_COMPUTED = "a closed form is no model here: the exact answer stands beside every value, in rows.csv"
 SLICE = "the third dimension: a slice of one cell, its faces held in their planes (plane strain)"
 
@@ -53,7 +55,7 @@ def plan_body(scene: BodyScene, model: Model | None = None) -> Plan:
         skipped.append(
             f"level {levels[-1]}: solved only if the first two do not hold {scene.ask.tolerance_percent:g} %"
         )
-    return Plan(chosen, levels, stop_when_met, tuple(skipped))
+    return Plan(chosen, levels, stop_when_met, tuple(skipped), finer=_finer(scene, chosen))
 
 
 def models_of(scene: BodyScene) -> tuple[Model, ...]:
@@ -83,6 +85,13 @@ def _levels(scene: BodyScene, model: Model) -> tuple[str, ...]:
     return {"ring": RING_LEVELS, "block": BLOCK_LEVELS, "cook": COOK_LEVELS, "mesh": USER_LEVELS}[kind]
 
 
+def _finer(scene: BodyScene, model: Model) -> tuple[str, ...]:
+    kind = scene.geometry.kind
+    if model == "axisymmetric" and kind != "mesh":
+        return tuple(f"r{m}" for m in FINER_MERIDIANS)
+    return {"ring": FINER_RINGS, "block": FINER_BLOCKS, "cook": FINER_COOK, "mesh": ()}.get(kind, FINER_AROUND)
+
+
 def _skipped(scene: BodyScene, model: Model) -> list[str]:
     """What a model leaves out of the body."""
     g, skipped = scene.geometry, []
@@ -96,7 +105,7 @@ def _skipped(scene: BodyScene, model: Model) -> list[str]:
     if g.kind in ("cook", "ring"):
         skipped.append(SLICE)
     if isinstance(g, TubeGeometry) and g.ends == "capped":
-        skipped.append("the cap: a level plate on a stiff layer that moves the bore by 1e-5 of it, which ± leaves out")
+        skipped.append("the cap: a level plate on a stiff layer that moves the bore by 1e-5 of it at most, as ± says")
     if g.kind == "mesh":
         skipped.append("a second mesh: the discretisation's uncertainty is not known from one")
     return skipped
@@ -111,4 +120,4 @@ def body_lines(scene: BodyScene, plan: Plan) -> list[str]:
     for level in plan.levels:
         maybe = " (only if needed)" if level in plan.perhaps else ""
         lines.append(f"  {plan.model.replace('full3d', 'full 3D')} {level}: path from 0 through {loads}{maybe}")
-    return lines
+    return [*lines, *tolerance_lines(plan, scene.ask.tolerance_percent)]

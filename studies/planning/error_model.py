@@ -30,6 +30,8 @@ FLOOR_PERCENT = 0.01
 AROUND_SHARE, MERIDIAN_SHARE = 0.1, 0.5
 # Numbers of cells round the circumference to choose from.
 ROUNDS: dict[Cells, tuple[int, ...]] = {"hex": (6, 8, 12), "tet": (8, 12, 16)}
+# More of them, for a tolerance that those do not hold.
+FINER_ROUNDS: dict[Cells, tuple[int, ...]] = {"hex": (16, 24, 32), "tet": (24, 32)}
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ In a name r refines the meridian and n is the number of cells round the whole ci
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -13,6 +14,10 @@ Model = Literal["closed_form", "axisymmetric", "sector", "full3d"]
 MODELS: tuple[Model, ...] = ("closed_form", "axisymmetric", "sector", "full3d")
 # Refinements of a meridian for the error estimate, coarsest first.
 MERIDIANS = (1, 2, 4)
+# Finer ones, for a tolerance that those do not hold, as long as they have no more unknowns than `MOST_UNKNOWNS`.
+FINER_MERIDIANS = (8, 16, 32)
+# Up to how many unknowns a mesh is refined for a tolerance: minutes on one core, 6 GB (docs/decisions.md, "Tolerance").
+MOST_UNKNOWNS: Mapping[Model, int] = {"axisymmetric": 1_000_000, "sector": 500_000, "full3d": 500_000}
 # Meridians that bodies are made from: those on r4 would not fit the machines this is meant for (24 GB).
 BODY_MERIDIANS = (1, 2)
 

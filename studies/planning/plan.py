@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from studies.planning.error_model import Choice
-from studies.planning.levels import BODY_MERIDIANS, Model
+from studies.planning.levels import BODY_MERIDIANS, MOST_UNKNOWNS, Model
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,11 @@ class Plan:
     body_levels
         Meridians that a 3D run may be made from: the first whose error is within its share of the tolerance, or the
         last.
+    finer
+        Meshes beyond ``levels``, solved one after another as long as the scene's tolerance is not met, the last one
+        reached its loads and the next has no more than `MOST_UNKNOWNS`.
+    fixed
+        True if the meshes are chosen for another purpose than the scene's tolerance: nothing is judged by it.
     choice
         The mesh that the error model proposes and what it expects of it; None where it knows nothing of the scene.
     """
@@ -41,6 +46,8 @@ class Plan:
     around_levels: tuple[int, ...] = ()
     sector_levels: tuple[int, ...] = ()
     body_levels: tuple[int, ...] = BODY_MERIDIANS
+    finer: tuple[str, ...] = ()
+    fixed: bool = False
     choice: Choice | None = None
 
     @property
@@ -52,3 +59,18 @@ class Plan:
     def perhaps(self) -> tuple[str, ...]:
         """Levels that are solved only if those before are not good enough."""
         return self.levels[len(self.certain) :]
+
+    def as_fixed(self) -> Plan:
+        """The same meshes, whatever they leave of error."""
+        return replace(self, finer=(), fixed=True)
+
+
+def tolerance_lines(plan: Plan, tolerance_percent: float) -> list[str]:
+    """What is done for a tolerance that these meshes do not hold, for a terminal."""
+    if not plan.finer:
+        return []
+    most = f"{MOST_UNKNOWNS[plan.model]:,}"
+    return [
+        f"  finer meshes one after another while {tolerance_percent:g} % is not met, of up to {most} unknowns; if it "
+        "is not met then, the exit code is 3"
+    ]

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Mapping
 
-from studies.results.rows import REACHED, Row, difference_percent
+from studies.results.rows import NOT_MET, REACHED, Row, difference_percent
 
 MISSING, MINUS = "–", "\N{MINUS SIGN}"
 
@@ -32,7 +32,7 @@ def value_text(row: Row | None) -> str:
     digits, unit = (3, " N") if row.unit == "N" else (2, "")
     text = f"{row.value:.{digits}f}"
     text = f"{text}{unit}" if math.isnan(row.uncertainty) else f"{text} ± {up(row.uncertainty, digits)}{unit}"
-    state = row.status.removeprefix(REACHED).strip(", ")
+    state = short_status(row.status).removeprefix(REACHED).strip(", ")
     return f"{text} ({state})" if state else text
 
 
@@ -51,7 +51,7 @@ def quantity_text(row: Row) -> str:
 def short_status(status: str) -> str:
     """A status without its reason; the reason is listed below the table."""
     found = _STOPPED.match(status)
-    return found[0] if found else status
+    return found[0] if found else NOT_MET if status.startswith(NOT_MET) else status
 
 
 def number_text(value: float, form: str = ".4g", missing: str = MISSING) -> str:

@@ -32,7 +32,7 @@ from studies.report.scene_report import (
     unit_of,
 )
 from studies.report.tables import Table
-from studies.results.rows import REACHED, Row, difference_percent, is_reached
+from studies.results.rows import REACHED, Row, difference_percent, is_reached, misses_tolerance
 from studies.results.run_files import PathRow, RunSummary
 
 # What the others are compared with: the first of these that reached the pressure.
@@ -258,7 +258,7 @@ def _level_value(scene: SceneReport, model: str, level: str, pressure_kpa: float
 def _status(scene: SceneReport) -> str:
     stops: dict[tuple[str, str], dict[str, None]] = {}
     for row in headlines(scene):
-        if not is_reached(row):
+        if not is_reached(row) or misses_tolerance(row):
             stops.setdefault((row.model, short_status(row.status)), {})[row.level] = None
     texts = (f"{label_of(scene, model, *levels)} {status}" for (model, status), levels in stops.items())
     return "; ".join(texts) or REACHED

@@ -30,7 +30,7 @@ from studies.report.scene_report import (
 )
 from studies.report.scene_tables import REFERENCES
 from studies.report.tables import facts_table
-from studies.results.rows import difference_percent, is_reached
+from studies.results.rows import difference_percent, is_reached, misses_tolerance
 from studies.results.run_files import PATH_FILE, RunSummary, write_path
 
 
@@ -196,7 +196,7 @@ def _files(folder: Path, scene: SceneReport) -> list[tuple[str, str]]:
 
 def _stops(scene: SceneReport) -> list[str]:
     """A sentence per way in which levels did not reach a pressure, with its reason."""
-    stops = [row for row in headlines(scene) if not is_reached(row)]
+    stops = [row for row in headlines(scene) if not is_reached(row) or misses_tolerance(row)]
     found: dict[tuple[str, str], dict[str, None]] = {}
     for row in stops:
         found.setdefault((row.model, row.status), {})[row.level] = None

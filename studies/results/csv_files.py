@@ -6,7 +6,7 @@ import csv
 import io
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -51,8 +51,14 @@ def read_lines(path: Path) -> list[dict[str, str]]:
 
 
 def read_records(path: Path, kind: type[Record], renamed: Mapping[str, str] | None = None) -> list[Record]:
-    """Read what `write_records` has written; ``renamed`` has new names of columns by their old ones."""
-    kinds = {f.name: f.type for f in fields(kind)}  # type: ignore[arg-type]
-    now = renamed or {}
+    """Read what `write_records` has written; ``renamed`` has new names of columns by their old ones.
+
+    Files from before there was a column may lack it, if its field has a default.
+    """
+    columns = fields(kind)  # type: ignore[arg-type]
+    now, spare = renamed or {}, {f.name for f in columns if f.default is not MISSING}
     lines = [{now.get(name, name): text for name, text in line.items()} for line in read_lines(path)]
-    return [kind(**{name: field_value(of, line[name]) for name, of in kinds.items()}) for line in lines]
+    return [
+        kind(**{f.name: field_value(f.type, line[f.name]) for f in columns if f.name in line or f.name not in spare})
+        for line in lines
+    ]

@@ -12,6 +12,8 @@ from studies.results.csv_files import read_records, write_records
 REACHED = "reached"
 # Of the printed closed form: the root has outgrown the crest, the number means nothing.
 FOLDED_BACK = "reached, folded back"
+# The load was reached, but the value is not as certain as was asked.
+NOT_MET = "tolerance not met"
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,8 @@ class Row:
     error_percent
         100 (value - reference) / |reference|; NaN without a reference.
     status
-        ``reached`` (and, of a closed form, in which state if not folded), or ``stopped at … kPa: why``.
+        ``reached`` (and, of a closed form, in which state if not folded), ``stopped at … kPa: why``, or
+        ``tolerance not met: ± … % reached, … % asked``.
     """
 
     scene: str
@@ -83,8 +86,13 @@ def difference_percent(value: float, reference: float) -> float:
 
 
 def is_reached(entry: Row) -> bool:
-    """True unless a run stopped before the row's pressure, or a closed form has no answer there."""
-    return entry.status.startswith(REACHED)
+    """True unless a run stopped before the row's pressure, or a closed form has no answer there; however certain."""
+    return entry.status.startswith((REACHED, NOT_MET))
+
+
+def misses_tolerance(entry: Row) -> bool:
+    """True for a value that is not as certain as was asked."""
+    return entry.status.startswith(NOT_MET)
 
 
 COLUMNS = tuple(f.name for f in fields(Row))

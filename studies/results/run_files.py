@@ -18,6 +18,7 @@ from solvers.state import State
 from studies.results.csv_files import read_records, write_records
 
 PATH_FILE, SUMMARY_FILE, STATES_FOLDER, FIELDS_FOLDER = "path.csv", "summary.json", "states", "fields"
+COLLECTION_FILE = "fields.pvd"
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,8 @@ class PathRow:
     actuator, so that ``reaction_n + P A = tip_force_n`` with the inlet's area A. ``control`` says what was held in the
     solve; ``status`` is ``requested`` for states at requested pressures, ``step`` for those between. ``limit_kpa`` is
     the pressure of the limit point that the path has passed before the state, from which a body under pressure snaps.
+    ``residual`` is that of the accepted state relative to its load: above 1e-8 where it had stalled
+    (`solvers.equilibrium.newton.NewtonSettings`).
     """
 
     pressure_kpa: float
@@ -50,6 +53,7 @@ class PathRow:
     status: str
     bond_slip_rms_mm: float
     limit_kpa: float = math.nan
+    residual: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -146,15 +150,15 @@ def read_summary(folder: Path) -> RunSummary:
 # --- states and fields --------------------------------------------------------------------------------------
 
 
+def _load_text(pressure_mpa: float, width: int, decimals: int) -> str:
+    """A load in kPa for file names, without its sign: with so many decimals, or more if it has more."""
+    load = 1e3 * abs(pressure_mpa)
+    text = f"{load:0{width}.{decimals}f}"
+    return text if math.isclose(float(text), load, rel_tol=1e-9) else f"{load:.9g}"
+
+
 def _state_file(folder: Path, pressure_mpa: float) -> Path:
-    return folder / STATES_FOLDER / f"{_name(pressure_mpa, '09.4f')}.npz"
-
-
-def _name(pressure_mpa: float, form: str) -> str:
-    """A pressure as part of a file's name: in a form if that says all of it, else with ten digits."""
-    kpa = 1e3 * abs(pressure_mpa)
-    short = format(kpa, form)
-    return f"p{short if math.isclose(float(short), kpa, rel_tol=1e-9) else format(kpa, '.10g')}"
+    return folder / STATES_FOLDER / f"p{_load_text(pressure_mpa, 9, 4)}.npz"
 
 
 def save_state(folder: Path, content_hash: str, state: State, row: PathRow) -> None:
@@ -172,13 +176,13 @@ def load_state(folder: Path, content_hash: str, pressure_mpa: float) -> tuple[St
                 return None
             state = State(data["displacement_mm"], data["pressure_mpa"], data["bodies_mm"], float(data["load_mpa"]))
             return state, PathRow(**json.loads(str(data["row"])))
-    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile):
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile):
         return None
 
 
 def field_file(folder: Path, pressure_mpa: float) -> Path:
     """Where a run's fields at a load are."""
-    return folder / FIELDS_FOLDER / f"{_name(pressure_mpa, '06.3f')}.vtu"
+    return folder / FIELDS_FOLDER / f"p{_load_text(pressure_mpa, 6, 3)}.vtu"
 
 
 def field_files(folder: Path, pressures_kpa: Sequence[float]) -> dict[float, Path]:
@@ -194,4 +198,4 @@ def write_collection(folder: Path, pressures_kpa: Sequence[float]) -> None:
         for p, f in field_files(folder, pressures_kpa).items()
     )
     text = f'<?xml version="1.0"?><VTKFile type="Collection" version="0.1"><Collection>{entries}</Collection></VTKFile>'
-    write_text_atomically(folder / "fields.pvd", text)
+    write_text_atomically(folder / COLLECTION_FILE, text)

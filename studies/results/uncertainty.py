@@ -3,10 +3,11 @@
 Two cases, told apart by the `Orders` to expect.
 
 *Smooth*: the error of a quantity is taken as ``C h^q``. Three meshes give q and the limit; the uncertainty is 1.25
-times the distance to the limit, or 3 times it with the expected order where the three values are not monotone or their
-order is off by half (Roache, J. Fluids Eng. 1994, doi 10.1115/1.2910291). Values that are not monotone may be near each
-other by accident, so then it is their range at least (after Eça and Hoekstra, J. Comput. Phys. 2014,
-doi 10.1016/j.jcp.2014.01.006, who take three times it).
+times the distance to the limit, or 3 times it where the three values are not monotone or their order is off by half,
+then with the lower of the observed and the expected order (Roache, J. Fluids Eng. 1994, doi 10.1115/1.2910291). Values
+that are not monotone may be near each other by accident, so then it is their range at least (after Eça and Hoekstra,
+J. Comput. Phys. 2014, doi 10.1016/j.jcp.2014.01.006, who take three times it); and where their differences do not fall,
+there is no limit to be told, and it is three times the range.
 
 *With a singular edge*: the error is taken as ``a h^p + b h^q``, p of the edge and q of the smooth rest, both known (Eça
 and Hoekstra, too, take two powers where one fits badly). One observed order would tell neither: the parts have either
@@ -32,6 +33,9 @@ from dataclasses import dataclass
 import numpy as np
 
 SAFETY, SAFETY_IN_DOUBT = 1.25, 3.0
+# Orders that are observed to be lower are counted as this one: by less any limit would do (Oberkampf and Roy,
+# Verification and Validation in Scientific Computing, 2010, section 8.6.3).
+LOWEST_ORDER = 0.5
 # Twice 1/2: see above.
 EDGE_ORDER = 1.0
 
@@ -122,12 +126,18 @@ def _share(sizes: Sequence[float], order: float) -> float:
 
 
 def _smooth_of_three(sizes: Sequence[float], values: Sequence[float], nominal: float) -> Convergence:
-    order = observed_order(sizes, values)
+    """By the observed order where it is near the nominal one; else in doubt, by the lower of the two orders.
+
+    Differences that do not fall with the cells tell of no limit: three times their range at least.
+    """
+    order, last, change = observed_order(sizes, values), values[2] - values[1], values[1] - values[0]
     if order is not None and 0.5 * nominal <= order <= 1.5 * nominal:
         return Convergence(extrapolated(sizes, values, order), SAFETY)
-    monotone = min(values[0], values[2]) <= values[1] <= max(values[0], values[2])
-    least = 0.0 if monotone else max(values) - min(values)
-    return Convergence(extrapolated(sizes, values, nominal), SAFETY_IN_DOUBT, least=least)
+    used = nominal if order is None else min(max(order, LOWEST_ORDER), nominal)
+    least = 0.0 if order is not None else max(values) - min(values)
+    if abs(last) >= abs(change):
+        least = SAFETY_IN_DOUBT * (max(values) - min(values))
+    return Convergence(extrapolated(sizes, values, used), SAFETY_IN_DOUBT, least=least)
 
 
 def _smooth_of_two(sizes: Sequence[float], values: Sequence[float], nominal: float) -> Convergence:

@@ -23,7 +23,7 @@ from studies.scene.materials import (
     material_faults,
     small_load_faults,
 )
-from studies.scene.sections import LARGEST_VOLUME, LargestVolume, Length, Section, Stiffness, away_from_zero
+from studies.scene.sections import APART, LARGEST_VOLUME, LargestVolume, Length, Section, Stiffness, is_ascending
 
 # A bond meant as rigid is a layer this stiff, MPa/mm: its slip is at most 0.003 mm at 20 kPa, and tips are within
 # 0.005 % of those with meshed PLA rings, which share their nodes with the wall (make study-paper; docs/decisions.md).
@@ -129,7 +129,12 @@ class Load(Section):
 
     @model_validator(mode="after")
     def _away_from_zero(self) -> Load:
-        away_from_zero("load.pressure_kpa", self.pressure_kpa)
+        loads = [self.sense * p for p in self.pressure_kpa]
+        if loads[0] <= 0.0 or not is_ascending(loads):
+            raise ValueError(
+                f"load.pressure_kpa = {self.pressure_kpa}: must ascend strictly from above 0, or descend from below 0, "
+                f"by more than {APART:g} of each"
+            )
         return self
 
     @property

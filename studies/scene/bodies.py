@@ -46,7 +46,7 @@ from studies.scene.materials import (
     material_faults,
     small_load_faults,
 )
-from studies.scene.sections import LARGEST_VOLUME, LargestVolume, Section, away_from_zero
+from studies.scene.sections import APART, LARGEST_VOLUME, LargestVolume, Section, is_ascending
 
 Load_kPa = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Quantity = Literal[
@@ -88,8 +88,9 @@ class BodyLoad(Section):
     @model_validator(mode="after")
     def _ascending(self) -> BodyLoad:
         for name in LOAD_LISTS:
-            if values := getattr(self, name):
-                away_from_zero(f"load.{name}", values)
+            values = getattr(self, name) or []
+            if not is_ascending(values):
+                raise ValueError(f"load.{name} = {values}: must ascend strictly, by more than {APART:g} of each")
         return self
 
 

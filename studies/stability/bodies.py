@@ -24,6 +24,7 @@ from solvers.discrete.domain import create_domain
 from solvers.discrete.elements import P2_P0
 from solvers.problem import Problem
 from solvers.state import State, pressure_at_corners
+from studies.first_rank import first
 from studies.models.build import Tip, scene_problem
 from studies.results import provenance
 from studies.scene.bellows import BellowsScene, shape_of
@@ -78,7 +79,7 @@ def pose(cell: Cell, comm: MPI.Comm) -> Posed:
 def pose_bellows(body: Bellows, load_kpa: float, comm: MPI.Comm, flaw: Flaw = "") -> Posed:
     """The bellows at loads up to a pressure or a vacuum; raises as `pose` does."""
     scene = scene_of(body, load_kpa)
-    mesh = comm.bcast(_bellows_mesh(scene, body) if comm.rank == 0 else None)
+    mesh = first(comm, lambda: _bellows_mesh(scene, body))
     problem = _bellows_problem(scene, body, mesh, comm, flaw)
     room_mm = 2.0 * scene.geometry.half_pitch_mm - scene.rings.seat_mm
     return Posed(problem, Tip(scene, mesh).mean_mm, room_mm=room_mm)

@@ -12,7 +12,8 @@ from typing import Final
 import threadpoolctl
 from mpi4py import MPI
 
-from studies.engine import Bar, Page, Setting, Solved, Study, farm, first
+from studies.engine import Bar, Page, Setting, Solved, Study, farm
+from studies.first_rank import first
 from studies.report.numbers import duration
 from studies.results import provenance
 from studies.results.kept import content_key, kept

@@ -103,12 +103,18 @@ def _difference(a: Row, b: Row) -> float:
 
 def stack_table(names: Sequence[str], figures: Sequence[Figures], differences: Sequence[Difference]) -> Table:
     """A column per stack."""
-    compiled = "nothing compiled / all compiled, s"
     lines = [
         *((label, *(one.versions.get(key, MISSING) for one in figures)) for key, label in SHOWN.items()),
         ("BLAS", *(one.blas for one in figures)),
-        (f"`make study-smoke`, {compiled}", *(_times(one.smoke_cold_s, one.smoke_warm_s) for one in figures)),
-        (f"`make study-core`, {compiled}", *(_times(one.cold_s, one.warm_s) for one in figures)),
+        (
+            "`make study-smoke`, nothing compiled / all compiled, s",
+            *(f"{one.smoke_cold_s:.0f} / {one.smoke_warm_s:.0f}" for one in figures),
+        ),
+        ("`make study-core`, nothing compiled, s", *(f"{one.core_s:.0f}" for one in figures)),
+        (
+            "the machine's time that other processes took meanwhile, %",
+            *(f"{one.others_percent:.0f}" for one in figures),
+        ),
         ("largest peak memory, MB", *(f"{one.peak_mb:.0f}" for one in figures)),
         ("unstable modes on 1 rank", *(_counts(one, "1") for one in figures)),
         ("on 2 ranks", *(_counts(one, "2") for one in figures)),
@@ -117,10 +123,6 @@ def stack_table(names: Sequence[str], figures: Sequence[Figures], differences: S
         ("where", *(one.where if one.value else MISSING for one in differences)),
     ]
     return Table(("", *names), tuple(lines), left=tuple(range(len(names) + 1)))
-
-
-def _times(cold_s: float, warm_s: float) -> str:
-    return " / ".join(MISSING if math.isnan(one) else f"{one:.0f}" for one in (cold_s, warm_s))
 
 
 def _counts(figures: Figures, ranks: str) -> str:

@@ -11,9 +11,10 @@ from typing import Any, Literal, get_args
 
 from analytical.bellows.chains import closed_form
 from analytical.bellows.dimensions import BellowsError
+from studies.models.tolerance import marked, shortfalls
 from studies.results.bellows_rows import bellows_rows
 from studies.results.csv_files import field_text, field_value, read_lines, write_lines
-from studies.results.rows import REACHED, Row, difference_percent, row
+from studies.results.rows import NOT_MET, REACHED, Row, difference_percent, row
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene, dimensions_of
 from studies.scene.materials import law_of
@@ -49,7 +50,8 @@ class SweepRow:
     closed_form_percent, closed_form_balanced_percent, closed_form_seat_percent
         Difference of each closed form from the axisymmetric answer, % of the latter.
     status
-        ``reached``, ``stopped at … kPa: why``, ``failed: why``, ``refused: why`` or ``not run yet``.
+        ``reached``, ``tolerance not met: …`` (reached, but not as certain), ``stopped at … kPa: why``,
+        ``failed: why``, ``refused: why`` or ``not run yet``.
     """
 
     scene: str
@@ -69,6 +71,11 @@ class SweepRow:
     closed_form_balanced_percent: float = math.nan
     closed_form_seat_percent: float = math.nan
     status: str = REACHED
+
+    @property
+    def reached(self) -> bool:
+        """True if there is an answer, however certain."""
+        return self.status.startswith((REACHED, NOT_MET))
 
     def chain(self, chain: Chain) -> float:
         """The answer of a closed form."""
@@ -91,7 +98,8 @@ def solved_rows(variant: Variant, scene: BellowsScene, runs: Sequence[Run], faul
     """A row per requested pressure, from a scene's axisymmetric runs, coarsest first; of none, with why it failed."""
     quantity = scene.main_quantity
     level = runs[-1].summary.level if runs else ""
-    rows = bellows_rows(scene, runs)
+    rows: Sequence[Row] = bellows_rows(scene, runs)
+    rows = marked(rows, shortfalls(scene, rows, "axisymmetric", level))
     unfolding = _unfolding_kpa(scene)
     found = []
     for pressure in scene.load.pressure_kpa:

@@ -20,12 +20,13 @@ from typing import Any
 from mpi4py import MPI
 from mpi4py.futures import MPICommExecutor
 
-from studies.engine import FAULTS, first
+from studies.engine import FAULTS
+from studies.first_rank import first
 from studies.models.session import run_plan
 from studies.planning.planner import make_plan
 from studies.progress import Progress
 from studies.results import provenance
-from studies.results.rows import REACHED
+from studies.results.rows import NOT_MET, REACHED
 from studies.results.run_files import write_text_atomically
 from studies.results.runs import finished_run
 from studies.scene.sweep import Variant, read_sweep
@@ -44,8 +45,9 @@ class SweepOutcome:
 
     Attributes
     ----------
-    scenes, refused, failed, stopped
-        Number of scenes; of those that cannot be built, that failed, and that stopped before their last pressure.
+    scenes, refused, failed, stopped, not_met
+        Number of scenes; of those that cannot be built, that failed, that stopped before their last pressure, and that
+        do not hold the tolerance.
     ranks, wall_s
         Who took part, and how long it took this time.
     solved_s
@@ -56,14 +58,15 @@ class SweepOutcome:
     refused: int
     failed: int
     stopped: int
+    not_met: int
     ranks: int
     wall_s: float
     solved_s: float
 
     @property
     def reached(self) -> bool:
-        """True if every scene that can be built reached every requested pressure."""
-        return self.failed == self.stopped == 0
+        """True if every scene that can be built reached every requested pressure, and its tolerance."""
+        return self.failed == self.stopped == self.not_met == 0
 
 
 @dataclass(frozen=True)
@@ -120,6 +123,7 @@ def run_sweep(file: Path, out: Path, comm: MPI.Comm, progress: Progress) -> Swee
             refused=sum(answer.has(REFUSED) for answer in found.values()),
             failed=sum(answer.has(FAILED) for answer in found.values()),
             stopped=sum(answer.has("stopped") for answer in found.values()),
+            not_met=sum(answer.has(NOT_MET) for answer in found.values()),
             ranks=comm.size,
             wall_s=time.perf_counter() - begin,
             solved_s=sum(answer.solved_s for answer in found.values()),

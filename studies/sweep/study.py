@@ -14,7 +14,6 @@ from analytical.bellows.chains_by_name import SILICONES
 from studies.engine import Page, Setting, Solved, Study
 from studies.report.labels import model_label
 from studies.report.numbers import duration, signed, up
-from studies.results.rows import REACHED
 from studies.scene.bellows import dimensions_of
 from studies.scene.load import load_bellows
 from studies.sweep import tables, words
@@ -57,7 +56,7 @@ def page(solved: Sequence[Solved[Outline, SweepOutcome]], at: Setting) -> Page:
         "roots": _swept(every, ROOT_KEY),
         "walls": _swept(every, WALL_KEY),
         "counts": _swept(every, COUNT_KEY),
-        "pressures": ", ".join(f"{pressure:g}" for pressure in pressures(r for r in every if r.status == REACHED)),
+        "pressures": ", ".join(f"{pressure:g}" for pressure in pressures(r for r in every if r.reached)),
         "map_count": MAP_COUNT,
         "limit": f"{LIMIT_PERCENT:g}",
         "outlines": [_of_outline(done, tables_of[done.case], at.out) for done in solved],
@@ -68,7 +67,7 @@ def page(solved: Sequence[Solved[Outline, SweepOutcome]], at: Setting) -> Page:
 
 def _of_outline(done: Solved[Outline, SweepOutcome], rows: Sequence[SweepRow], folder: Path) -> dict[str, Any]:
     """What the page shows of an outline."""
-    reached = [row for row in rows if row.status == REACHED]
+    reached = [row for row in rows if row.reached]
     mapped = [row for row in reached if is_mapped(row)]
     known, others = points(mapped), points([row for row in reached if not is_mapped(row)])
     rules = tables.find_rules(known)

@@ -7,7 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from meshes.bodies import block, sphere_meridian, tube_meridian
+from meshes.bodies import (
+    GRADED_BEYOND,
+    block,
+    cells_through,
+    sphere_meridian,
+    tube_meridian,
+    ventricle_meridian,
+)
 from meshes.cells import CellKind
 from meshes.errors import GeometryError
 from meshes.quality import mesh_quality, region_volumes_mm3
@@ -73,3 +80,35 @@ def test_impossible_bodies_are_refused() -> None:
         sphere_meridian(math.nan, 6.0, 1, 1)
     with pytest.raises(GeometryError, match="every edge"):
         block((1.0, -1.0, 1.0), (1, 1, 1))
+
+
+def radii_of(mesh) -> np.ndarray:
+    """Radii of the layers of nodes, of a sphere's meridian as of a tube's."""
+    return np.unique(np.linalg.norm(mesh.points[mesh.points[:, 1] == 0.0], axis=1).round(9))
+
+
+@pytest.mark.parametrize(
+    "make", [lambda a, b, n: tube_meridian(a, b, 2.0, 1, n), lambda a, b, n: sphere_meridian(a, b, 2, n)]
+)
+def test_thick_walls_are_graded_and_others_are_not(make) -> None:
+    equal = radii_of(make(5.0, 5.0 * GRADED_BEYOND, 4))
+    assert np.diff(equal) == pytest.approx(np.full(8, 15.0 / 8.0), rel=1e-9)
+    thick = radii_of(make(1.0, 1000.0, 10))
+    assert len(thick) == 21 and (thick[0], thick[-1]) == (1.0, 1000.0)
+    assert thick[1:] / thick[:-1] == pytest.approx(np.full(20, 1000.0**0.05), rel=1e-7)  # mid-nodes too
+
+
+def test_cells_of_thick_walls_double_the_radius_at_most() -> None:
+    for ratio in (1.01, 1.4, 2.0, 4.0):
+        assert cells_through(ratio, 2) == 2
+    for ratio in (4.1, 10.0, 30.0, 1000.0, 3000.0):
+        for fine in (1, 2, 4):
+            cells = cells_through(ratio, 2 * fine)
+            assert ratio ** (fine / cells) <= 2.0 * (1.0 + 1e-12)
+            assert cells == fine * cells_through(ratio, 2)  # levels are the same refinement
+
+
+def test_thick_ventricles_are_graded_too() -> None:
+    mesh = ventricle_meridian((1.0, 2.0), (100.0, 100.0), 0.0, 4, 8)
+    base = np.unique(mesh.points[mesh.points[:, 1] == 0.0, 0].round(9))
+    assert base[1:] / base[:-1] == pytest.approx(np.full(16, 100.0**0.0625), rel=1e-7)

@@ -11,6 +11,9 @@ from scipy.spatial.transform import Rotation
 from analytical.laws.silicones import DRAGON_SKIN_10
 from meshes.sweep import revolve_hexahedra
 from solvers.bodies.rigid import RigidBodies, moved
+from solvers.equilibrium.controls import HeldLoad, HeldVolume
+from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
+from solvers.linear.factor import Factor
 from solvers.state import State
 
 INNER_MM, OUTER_MM, HEIGHT_MM, ARM_MM = 5.0, 6.0, 8.0, 6.0
@@ -125,3 +128,38 @@ def test_tangent_under_pressure_sees_the_plate(tube) -> None:
     gap = (product.array - exact)[: problem.owned]
     assert np.linalg.norm(gap) < 1e-8 * np.linalg.norm(exact)
     assert along @ exact == pytest.approx(along @ product.array, rel=1e-8)
+
+
+def test_volume_and_load_answer_each_other_on_a_column_that_leans(strip, sides, make_problem) -> None:
+    length = 30.0
+    mesh = revolve_hexahedra(strip(INNER_MM, OUTER_MM, length, 1, 6, 0.0, True), 8)
+    top = mesh.facet_tags == sides.top
+    points = mesh.points.copy()
+    points[:, 0] += (
+        2.0 * np.sin(np.pi * points[:, 2] / length) ** 2
+    )  # bulges to one side, so that its plate tilts and drifts
+    mesh = dataclasses.replace(mesh, points=points, facet_bodies=np.where(top, 0, -1))
+    centre, area = np.array([length]), np.pi * INNER_MM**2
+    plate = RigidBodies(300.0, 300.0, np.ones(len(points)), centre, ARM_MM, plate=0, plate_area_mm2=area)
+    problem = make_problem(
+        mesh, DRAGON_SKIN_10, bodies=plate, cavity=sides.cavity, clamped=sides.bottom, bond=sides.top
+    )
+    factor, pressure = Factor(problem), 0.012
+    settings = NewtonSettings(relative_tolerance=1e-11, reuse_below=0.0)
+    report = solve_equilibrium(problem, factor, settings, HeldLoad(pressure))
+    assert problem.bonded.plate_volume()[1][:2] @ [1.0, 0.0] > 1.0  # mm^2
+    here, volume = problem.get_state(), problem.cavity_volume()
+
+    errors: list[float] = []
+    solve_equilibrium(problem, factor, settings, HeldVolume(1.02 * volume), lambda _, error: errors.append(error))
+    # quadratic from 2 %; with what the load does on the plate left out of the border it falls by a factor of fifty
+    assert errors[3] < 1e-9
+
+    volumes = []
+    for sign in (-1.0, 1.0):
+        problem.set_state(here)
+        solve_equilibrium(problem, factor, settings, HeldLoad((1.0 + 1e-4 * sign) * pressure))
+        volumes.append(problem.cavity_volume())
+    # central difference: 1e-8; without the plate's part 2e-4 off
+    slope = (volumes[1] - volumes[0]) / (2e-4 * pressure)
+    assert report.compliance_mm3_per_mpa == pytest.approx(slope, rel=1e-6)

@@ -9,7 +9,7 @@ from meshes.cells import HEXAHEDRON_NODES, QUADRILATERAL_NODES
 from meshes.revolve import revolve
 from meshes.sweep import revolve_hexahedra
 from solvers.state import State
-from solvers.vtu import pressure_at_nodes, principal_stretches, vtk_grid
+from solvers.vtu import pressure_at_nodes, principal_stretches, save_mesh, vtk_grid, write_mode, write_vtu
 
 
 @pytest.fixture(scope="module")
@@ -53,3 +53,30 @@ def test_stretches_and_pressures_of_known_states(body, cells: str) -> None:
     # VTK's own volume, of cells split into straight pieces, tells order and orientation: 60 degrees per parabola
     exact = np.pi * (36.0 - 25.0) * 2.0
     assert abs(grid.compute_cell_sizes()["Volume"]).sum() == pytest.approx(exact, rel=0.2)
+
+
+def test_fields_are_written_whole_or_not_at_all(body, tmp_path, monkeypatch) -> None:
+    import pyvista
+
+    mesh, file = body("hexahedra"), tmp_path / "fields" / "p05.000.vtu"
+    blank = State(0.0 * mesh.points, np.zeros((len(mesh.cells), 8)), np.zeros((0, 0)), 0.0)
+    write_vtu(file, mesh, blank)
+    whole, save = file.read_bytes(), pyvista.UnstructuredGrid.save
+
+    def cut_short(grid, path, *options):
+        save(grid, path, *options)
+        path.write_bytes(path.read_bytes()[:1000])
+
+    def killed(grid, path, *options):
+        cut_short(grid, path, *options)
+        raise KeyboardInterrupt
+
+    for fault, error in ((cut_short, OSError), (killed, KeyboardInterrupt)):
+        monkeypatch.setattr(pyvista.UnstructuredGrid, "save", fault)
+        for write in (lambda: write_vtu(file, mesh, blank), lambda: save_mesh(file, mesh)):
+            with pytest.raises(error):
+                write()
+            assert file.read_bytes() == whole
+        with pytest.raises(error):
+            write_mode(tmp_path / "mode", mesh, blank, blank)
+        assert not (tmp_path / "mode.vtu").exists()

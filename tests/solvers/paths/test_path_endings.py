@@ -14,6 +14,7 @@ from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, StepFailed
 from solvers.paths.diagnosis import failed_steps, limit_pressure
 from solvers.paths.path import follow_path
+from solvers.paths.prediction import peak
 from solvers.paths.states import Crossing, PathPoint, PathSettings
 from solvers.state import State
 
@@ -86,9 +87,31 @@ def test_steps_that_fail_beyond_a_bifurcation_are_put_down_to_it() -> None:
     assert "last state at 12 kPa" in reason and "imperfection" in reason
 
 
+def test_a_volume_that_does_not_respond_is_no_division_by_zero() -> None:
+    still = PathPoint(dataclasses.replace(NOTHING, load_mpa=0.001), 1.0, 0.0, 0)
+    assert still.slope_mpa_per_mm3 == math.inf
+    for history in ([still], [still, point(0.002, 1.0)], [point(0.0005, 1.0), still]):
+        found, reason = failed_steps(StepFailed("what happened"), history, None, "pressure", 1.0)
+        assert found is Cause.STEP_SIZE and "limit point" not in reason
+
+
 @pytest.mark.parametrize("cause", [Cause.INVERTED_CELL, Cause.MATERIAL_RANGE, Cause.LINEAR_SOLVER, Cause.STEP_SIZE])
 def test_other_failures_keep_their_kind(cause: Cause) -> None:
     history = [point(0.001, 1.0), point(0.002, 1.0)]
     found, reason = failed_steps(StepFailed("what happened", cause), history, None, "volume", 1.0)
     assert found is cause
     assert "what happened; last state at 2 kPa; " in reason
+
+
+def test_peak_between_two_states_is_that_of_the_cubic() -> None:
+    # P = 5 V - 2 V^2 - V^3: dP/dV vanishes at V = (sqrt(19) - 2) / 3
+    def at(volume: float) -> PathPoint:
+        pressure, slope = volume * (5.0 - 2.0 * volume - volume**2), 5.0 - 4.0 * volume - 3.0 * volume**2
+        return PathPoint(dataclasses.replace(NOTHING, load_mpa=pressure), volume, 1.0 / slope, 0)
+
+    top = (math.sqrt(19.0) - 2.0) / 3.0
+    assert peak(at(0.5), at(2.0)) == pytest.approx(((top - 0.5) / 1.5, at(top).pressure_mpa), rel=1e-12)  # exact
+    assert peak(at(2.0), at(0.5)) == pytest.approx(((2.0 - top) / 1.5, at(top).pressure_mpa), rel=1e-12)
+    assert peak(at(0.1), at(0.5)) is None and peak(at(1.0), at(2.0)) is None
+    unknown = dataclasses.replace(at(0.5), compliance_mm3_per_mpa=math.nan)
+    assert peak(unknown, at(2.0)) is None

@@ -1,4 +1,4 @@
-"""A body that bends, its rings turning, on one and two ranks."""
+"""A body that bends, its rings turning, on one and two ranks; a body that one of the ranks cannot have."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
 SCRIPT = Path(__file__).with_name("bent_script.py")
+FAILING = Path(__file__).with_name("failing_mesh_script.py")
 SHORT = ROOT / "scenes" / "imperfection" / "short-core-10.toml"
 
 
@@ -26,3 +27,7 @@ def test_one_and_two_ranks_bend_alike(python, tmp_path: Path) -> None:
     # Newton to 1e-8 of the load; twelve digits are written
     for name in ("tips", "bends", "volumes"):
         assert two[name] == pytest.approx(one[name], rel=1e-6), name
+
+
+def test_meridian_that_one_rank_cannot_mesh_is_told_on_all(python, tmp_path: Path) -> None:
+    assert python.answer(2, FAILING, SHORT, tmp_path / "out") == ["the ring could not be meshed"] * 2

@@ -265,6 +265,7 @@ def test_exact_crossings_by_kind() -> None:
         ("tube", "inner_radius_mm = 5.0", "inner_radius_mm = 8.0", "must be less than outer_radius_mm = 7"),
         ("tube", 'ends = "plane-strain"', 'ends = "open"', "geometry.ends = 'open': allowed"),
         ("tube", "[10.0, 20.0, 30.0]", "[20.0, 10.0]", "must ascend"),
+        ("tube", "[10.0, 20.0, 30.0]", "[10.0, 10.00005]", "must ascend strictly, by more than 1e-05"),
         ("tube", 'quantities = ["bore_mm"]', 'quantities = ["crossing_kpa"]', "allowed for a tube: 'bore_mm'"),
         ("tube", "[10.0, 20.0, 30.0]", "[10000.0]", "check the units"),
         ("sphere", "inner_radius_mm = 5.0", "length_mm = 5.0", "geometry.length_mm = 5.0: unknown key"),

@@ -10,6 +10,8 @@ from mpi4py import MPI
 
 from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
+from solvers.linear.krylov import IterativeSolver
+from solvers.problem import Problem
 from studies.models import full3d
 from studies.models.axisymmetric import run_axisymmetric
 from studies.planning.levels import BodyLevel
@@ -44,8 +46,15 @@ def test_where_factors_do_not_fit_the_body_is_solved_iteratively(small, tmp_path
     def body(name: str) -> full3d.Run:
         return full3d.run_full3d(small, "full3d", level, tmp_path / "flat", tmp_path / name, comm, progress, ())
 
-    whole = body("direct")
+    whole, made = body("direct"), []
+
+    class Kept(IterativeSolver):
+        def __init__(self, problem: Problem) -> None:
+            super().__init__(problem)
+            made.append(self)
+
     monkeypatch.setattr(full3d, "Factor", _NoFactor)
+    monkeypatch.setattr(full3d, "IterativeSolver", Kept)
     found = body("auto")
     assert found.summary.status == "reached"
     assert found.path[-1].tip_mm == pytest.approx(whole.path[-1].tip_mm, rel=1e-6)
@@ -54,12 +63,15 @@ def test_where_factors_do_not_fit_the_body_is_solved_iteratively(small, tmp_path
     assert any("solved iteratively from there" in note for note in found.summary.plan)
     assert full3d.NOT_COUNTED in found.summary.plan
     assert full3d.NOT_COUNTED not in whole.summary.plan
+    # the factorisation that ran out of memory was one
+    assert found.summary.factorisations == made[0].count + 1
 
 
 class _NoFactor(Factor):
     """A factorisation that no memory holds."""
 
     def refresh(self) -> None:
+        self.count += 1
         raise StepFailed("MUMPS failed with INFOG(1) = -13", Cause.OUT_OF_MEMORY)
 
 

@@ -34,12 +34,56 @@ def test_recovers_limit_and_order_of_a_power_law(sizes, order):
     assert found.uncertainty(10.0 + 3.0 * sizes[2] ** order) == pytest.approx(1.25 * 3.0 * sizes[2] ** order, abs=1e-5)
 
 
-@pytest.mark.parametrize("values", [(1.0, 1.1, 1.5), (1.0, 2.0, 2.0001)])
-def test_takes_the_larger_safety_factor_in_doubt(values):
+def test_an_order_that_is_too_high_is_not_believed():
+    values = (1.0, 2.0, 2.0001)
     found = convergence((1.0, 0.5, 0.25), values, SMOOTH)
     assert found.safety == SAFETY_IN_DOUBT
     # nominal order 2, ratio 2: a third of the last change, three times
     assert found.uncertainty(values[2]) == pytest.approx(abs(values[2] - values[1]), rel=1e-12)
+
+
+@pytest.mark.parametrize("order", [0.9, 0.6])
+def test_an_order_that_is_too_low_is_believed(order):
+    sizes = (1.0, 0.5, 0.25)
+    values = [10.0 + 3.0 * h**order for h in sizes]
+    found = convergence(sizes, values, SMOOTH)
+    assert found.limit == pytest.approx(10.0, abs=1e-6)
+    assert found.uncertainty(values[2]) == pytest.approx(SAFETY_IN_DOUBT * 3.0 * 0.25**order, rel=1e-6)
+
+
+# The bore of a sphere of 1 and 1000 mm at 1000 kPa on r1, r2, r4 with equal cells through the wall; it is 0.444 mm.
+TOO_COARSE = (0.00337366758, 0.00673822142, 0.0134417022)
+UNSETTLED = {
+    "doubles": TOO_COARSE,
+    "diverges slowly": (1.0, 1.01, 1.025),
+    "does not slow down": (1.0, 1.1, 1.2),
+    "hardly slows down": (1.0, 1.1, 1.19),
+    "alternates, ever further": (1.0, 1.1, 0.8),
+    "alternates as far": (1.0, 1.1, 1.0),
+    "waits, then jumps": (1.0, 1.0, 1.5),
+    "jumps, then waits": (1.0, 1.5, 1.5),
+}
+
+
+@pytest.mark.parametrize("orders", [SMOOTH, EDGE, Orders(4.0)], ids=("smooth", "edge", "round"))
+@pytest.mark.parametrize("values", UNSETTLED.values(), ids=UNSETTLED)
+def test_meshes_that_do_not_settle_have_no_small_uncertainty(values, orders):
+    last = abs(values[2] - values[1])
+    found = convergence((1.0, 0.5, 0.25), values, orders).uncertainty(values[2])
+    # never less than by how much the last two disagree, twice it unless the last change was the smaller one
+    assert found >= (2.0 * last if last >= abs(values[1] - values[0]) else last)
+    assert found >= 0.1 * (max(values) - min(values)) > 0.0
+
+
+@pytest.mark.parametrize("orders", [SMOOTH, EDGE], ids=("smooth", "edge"))
+def test_values_that_double_with_every_mesh_say_nothing(orders):
+    assert convergence((1.0, 0.5, 0.25), TOO_COARSE, orders).uncertainty(TOO_COARSE[2]) > TOO_COARSE[2]
+
+
+def test_differences_that_do_not_fall_are_uncertain_by_three_times_their_range():
+    values = (1.0, 1.1, 0.9)
+    found = convergence((1.0, 0.5, 0.25), values, SMOOTH)
+    assert found.uncertainty(0.9) == pytest.approx(SAFETY_IN_DOUBT * 0.2)
 
 
 def test_values_that_are_not_monotone_are_uncertain_by_their_range():

@@ -337,7 +337,7 @@ def report(tmp_path_factory) -> SimpleNamespace:
             rows.append(SweepRow(f"s{len(rows)}", values, pressure, "tip_mm", "mm", **known, **chains, **percents))
     (folder / OUTLINES[0].name).mkdir()
     write_table(folder / OUTLINES[0].name / "sweep.csv", rows)
-    assert render(STUDY, folder, [Solved(OUTLINES[0], SweepOutcome(16, 4, 0, 0, 2, 12.0, 20.0))]) == 0
+    assert render(STUDY, folder, [Solved(OUTLINES[0], SweepOutcome(16, 4, 0, 0, 0, 2, 12.0, 20.0))]) == 0
     return SimpleNamespace(folder=folder, text=" ".join((folder / "report.md").read_text(encoding="utf-8").split()))
 
 
