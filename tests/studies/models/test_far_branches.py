@@ -120,3 +120,46 @@ def test_a_largest_volume_that_cannot_be_is_refused(solve, value: str) -> None:
     assert result.exit_code == 2
     assert "load.largest_volume" in result.output
     assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("asked", "status"),
+    [
+        (77.7, "reached"),
+        (77.77, "reached"),
+        (77.7801, "reached, after a snap at 77.78 kPa"),
+    ],
+)
+def test_just_below_the_limit_point_the_state_is_the_near_one(solve, asked: float, status: str) -> None:
+    result, out = solve(SPHERE, ALEXANDER, f"pressure_kpa = [{asked}]")
+    assert result.exit_code == 0, result.output
+    (row,) = bores(out)
+    assert row.status == status
+    assert abs(row.error_percent) < 0.01
+
+
+def test_two_hundred_pressures(solve) -> None:
+    asked = [0.25 * k for k in range(1, 201)]
+    result, out = solve(SPHERE, ALEXANDER, f"pressure_kpa = {asked}")
+    assert result.exit_code == 0, result.output
+    found = bores(out)
+    assert [row.pressure_kpa for row in found] == asked
+    assert all(row.status == "reached" and abs(row.error_percent) < 1e-4 for row in found)
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ("[20.0, 10.0]", "must ascend strictly"),
+        ("[10.0, 10.0]", "must ascend strictly"),
+        ("[0.0, 10.0]", "must be greater than 0"),
+        ("[-5.0, 10.0]", "must be greater than 0"),
+        ("[10.0, 10.00001]", "by more than 1e-05 of each"),
+        ("[1e-9, 10.0]", "load.pressure_kpa = 1e-09: less than a millionth of the initial shear modulus"),
+    ],
+)
+def test_pressures_that_cannot_be_are_refused(solve, asked: str, said: str) -> None:
+    result, out = solve(SPHERE, NEO_HOOKE, f"pressure_kpa = {asked}")
+    assert result.exit_code == 2
+    assert said in result.output
+    assert not out.exists()
