@@ -11,7 +11,7 @@ from pathlib import Path
 
 from studies.planning.levels import fineness
 from studies.results import provenance
-from studies.results.rows import REACHED, Row, row
+from studies.results.rows import AFTER_SNAP, REACHED, Row, row
 from studies.results.run_files import PathRow, RunSummary, read_path, read_summary, write_text_atomically
 from studies.results.uncertainty import EDGE_ORDER, Convergence, Orders, convergence
 from studies.scene.bellows import TipQuantity, without_eccentricity
@@ -113,7 +113,7 @@ def value_status(run: Run, load_kpa: float, value: float, digits: str = ".2f") -
         return f"no state at {load_kpa:.6g} kPa: {run.summary.reason}" if passed else stopped_text(run, digits)
     state = run.at(load_kpa)
     beyond = math.nan if state is None else state.limit_kpa
-    return REACHED if math.isnan(beyond) else f"{REACHED}, after a snap at {beyond:.4g} kPa"
+    return REACHED if math.isnan(beyond) else f"{REACHED}, {AFTER_SNAP} at {beyond:.4g} kPa"
 
 
 def farthest_kpa(path: Sequence[PathRow]) -> float:
