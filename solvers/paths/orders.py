@@ -25,6 +25,7 @@ from solvers.problem import Problem
 Order = Literal["auto", "force-first", "together", "pressure-first"]
 # After such a stop more pressure, however it is brought on, is of no use.
 HOPELESS = (Cause.OUT_OF_MEMORY, Cause.MATERIAL_RANGE, Cause.TOO_LARGE)
+REMEDY = '; load.order = "pressure-first" brings the pressure on before the force'
 # Begins what is told of a pressure at which the force could not be brought on.
 MISSED = "no state at "
 # Begins what is told of a state that the model itself counts as unstable.
@@ -112,7 +113,7 @@ def follow_loads(
         try:
             path = follow(resume or _forced(job, partial(_alone, job, touches) if order == "auto" else accept))
         except StepFailed as failure:
-            path = Path((), False, str(failure), 0, failure.cause)
+            path = Path((), False, f"{failure}{REMEDY if order == 'force-first' else ''}", 0, failure.cause)
         place = (0 if resume is None else resume.reached) + sum(item.asked for item in path.states)
         if path.reached or order == "force-first" or path.cause in HOPELESS:
             return path

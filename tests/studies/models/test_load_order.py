@@ -136,6 +136,20 @@ def test_a_pressure_without_a_state_is_named_and_the_others_are_solved(write, tm
     assert read_summary(out).status == "stopped"
 
 
+def test_a_force_that_nothing_carries_stops_by_name(write, tmp_path: Path, monkeypatch) -> None:
+    def fails(problem, factor, settings, state, start, end, accept=None):
+        raise StepFailed("no convergence; last state under -0.6 N at 0 kPa")
+        yield
+
+    monkeypatch.setattr("solvers.paths.onset.bring_on", fails)
+    scene = load_bellows(write("nothing", "[5.0]", 'tip_force_n = -1.0\norder = "force-first"'))
+    run = meridian(scene, tmp_path)
+    assert run.summary.status == "stopped"
+    reason = run.summary.reason
+    assert "no equilibrium under the dead force of -1 N before the pressure comes: no convergence" in reason
+    assert 'load.order = "pressure-first" brings the pressure on before the force' in reason
+
+
 def test_the_whole_body_starts_from_the_lifted_state(write) -> None:
     result, out = solve(write("whole", "[5.0]", "tip_force_n = -1.0"), "--model", "full3d")
     assert result.exit_code == 0, result.output
