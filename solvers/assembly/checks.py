@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -14,6 +16,7 @@ from solvers.discrete.domain import Domain, FloatArray
 from solvers.discrete.elements import QUADRATURE_DEGREE
 from solvers.discrete.kinematics import Kinematics
 from solvers.energy.forms import invariants
+from solvers.energy.materials import Part, limited_cells
 from solvers.errors import SolverError
 from solvers.state import Timer
 
@@ -55,28 +58,34 @@ class Deformation:
         Of the quadrature.
     timer
         Takes the seconds.
+    parts
+        Soft materials of the cells.
     """
 
-    def __init__(self, unknowns: Unknowns, kin: Kinematics, degree: int, timer: Timer) -> None:
+    def __init__(self, unknowns: Unknowns, kin: Kinematics, degree: int, timer: Timer, parts: Sequence[Part]) -> None:
         self._domain, self._timer = unknowns.domain, timer
         k = invariants(kin.gradient(ufl.split(unknowns.state)[0]))
         self._points = compat.quadrature_points(unknowns.domain.cell_name, degree)
         self._values = compat.compile_expression(ufl.as_vector([k.j, k.i1, k.i2]), self._points)
         topology = unknowns.domain.mesh.topology
         self._cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
+        numbers = unknowns.domain.cell_tags.values[: len(self._cells)]
+        # all cells, where no law has a limit or all have
+        self._limited = limited_cells(parts, numbers) if 1 < len(parts) else np.ones(len(numbers), dtype=bool)
 
     def _now(self) -> FloatArray:
         """Det F and isochoric I1 and I2 at this rank's quadrature points, shape (points, 3)."""
         return compat.evaluate(self._values, self._domain.mesh, self._cells).reshape(-1, 3)
 
     def extremes(self) -> tuple[float, float, float]:
-        """Smallest det F and largest isochoric I1 and I2 over all quadrature points (NaN-safe)."""
+        """Smallest det F, and largest isochoric I1 and I2 where a law has a limit, at quadrature points (NaN-safe)."""
         with self._timer("checks"):
             values, comm = self._now(), self._domain.comm
             j, i1, i2 = np.inf, 0.0, 0.0
             if len(values):
                 j = float(np.min(values[:, 0])) if np.isfinite(values).all() else -np.inf
-                i1, i2 = float(np.max(values[:, 1])), float(np.max(values[:, 2]))
+                of_cells = values.reshape(len(self._cells), -1, 3)[self._limited]
+                i1, i2 = (float(of_cells[..., k].max(initial=0.0)) for k in (1, 2))
             return comm.allreduce(j, op=MPI.MIN), comm.allreduce(i1, op=MPI.MAX), comm.allreduce(i2, op=MPI.MAX)
 
     def worst_cell(self) -> str:

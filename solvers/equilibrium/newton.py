@@ -257,7 +257,7 @@ def _advance(
 
 def _admissible(problem: Problem, settings: NewtonSettings, go: Callable[[float], None]) -> float:
     """Go along the increment as far as no cell comes near inversion; the fraction of it that was gone."""
-    limit1, limit2 = problem.law.invariant_limits
+    limit1, limit2 = problem.invariant_limits
     fraction = 1.0
     for _ in range(settings.max_cuts + 1):
         go(fraction)
@@ -275,7 +275,7 @@ def _admissible(problem: Problem, settings: NewtonSettings, go: Callable[[float]
 
 def _range(problem: Problem) -> str:
     _, i1, i2 = problem.deformation.extremes()
-    limit1, limit2 = problem.law.invariant_limits
+    limit1, limit2 = problem.invariant_limits
     return f"I1 = {i1:.3g} (<= {limit1:g}), I2 = {i2:.3g} (<= {limit2:g})"
 
 
@@ -283,7 +283,7 @@ def _check_state(problem: Problem) -> float:
     det_f, i1, i2 = problem.deformation.extremes()
     if not det_f > 0.0:
         raise StepFailed(f"converged to an inverted cell: {problem.deformation.worst_cell()}", Cause.INVERTED_CELL)
-    limit1, limit2 = problem.law.invariant_limits
+    limit1, limit2 = problem.invariant_limits
     if i1 > limit1 or i2 > limit2:
         raise StepFailed(f"out of the material law's range: {_range(problem)}", Cause.MATERIAL_RANGE)
     for term in problem.terms:

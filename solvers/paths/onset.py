@@ -11,9 +11,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from solvers.discrete.sums import dot
+from solvers.discrete.sums import Joint, joint_dot
 from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, StepFailed
@@ -156,14 +154,13 @@ def _measured(problem: Problem, factor: Factor, way: Loads) -> Measured:
     """The current state's q, and dq/ds from the factor at it."""
     bonded = problem.bonded
     assert bonded is not None and bonded.plate_axial is not None
-    unit = problem.load.force()
-    unit[problem.constrained_owned] = 0.0
-    on_bodies = np.zeros(problem.extra)
-    on_bodies[bonded.plate_axial] = way.force_n
-    toward, bodies = factor.solve(way.pressure_mpa * unit, on_bodies)
+    unit = problem.unit_load()
+    on_bodies = way.pressure_mpa * unit[1]
+    on_bodies[bonded.plate_axial] += way.force_n
+    loads: Joint = (way.pressure_mpa * unit[0], on_bodies)
     motion = float(problem.body_values.ravel()[bonded.plate_axial])
     q = way.pressure_mpa * problem.cavity_volume() + way.force_n * motion
-    rate = way.pressure_mpa * dot(problem.comm, unit, toward) + way.force_n * float(bodies[bonded.plate_axial])
+    rate = joint_dot(problem.comm, loads, factor.solve(*loads))
     return q, rate
 
 

@@ -95,7 +95,7 @@ def follow_path(
         follower.adapt(walk, aim, max(item.newton.iterations for item in found))
         if on_step is not None:
             on_step(walk.memory())
-        if walk.here.volume_mm3 > settings.largest_volume * problem.volume_unit_mm3:
+        if walk.here.volume_mm3 - problem.volume_start_mm3 > settings.largest_volume * problem.volume_unit_mm3:
             if walk.reached < len(follower.targets):
                 asked = follower.targets[walk.reached]
                 cause, reason = too_large(settings.largest_volume, walk.here, walk.limit_mpa, asked, walk.crossing)

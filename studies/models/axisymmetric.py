@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from mpi4py import MPI
 
-from solvers.errors import Cause
 from solvers.linear.factor import Factor
-from solvers.paths.orders import MISSED, follow_loads
-from solvers.paths.states import Path as EquilibriumPath
+from solvers.paths.orders import follow_loads
 from solvers.paths.states import PathMemory, PathSettings
 from studies.models.build import Tip, masses_g, scene_problem
 from studies.models.contact import MODELLED, ContactWatch
@@ -87,16 +84,7 @@ def _solve(scene: BellowsScene, refinement: int, folder: Path, progress: Progres
         resume=log.memory if isinstance(log.memory, PathMemory) else None,
         accept=lambda item: watch.accept(item, log.notes),
     )
-    return log.finish(_without_gaps(path, log.notes), mesh, masses_g(scene, mesh))
-
-
-def _without_gaps(path: EquilibriumPath, notes: Sequence[str]) -> EquilibriumPath:
-    """The path, not reached if a note says so of a requested pressure."""
-    missed = [note for note in notes if note.startswith(MISSED)]
-    if not missed:
-        return path
-    cause = Cause.STEP_SIZE if path.reached else path.cause
-    return replace(path, reached=False, reason="; ".join([*missed, *filter(None, [path.reason])]), cause=cause)
+    return log.finish(path, mesh, masses_g(scene, mesh))
 
 
 def _settings(scene: BellowsScene) -> PathSettings:

@@ -17,7 +17,7 @@ from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause
 from solvers.linear.factor import Factor
-from solvers.paths.path import follow_path
+from solvers.paths.orders import follow_loads
 from solvers.paths.prescribed import follow_motion
 from solvers.paths.states import Path as EquilibriumPath
 from solvers.paths.states import PathMemory, PathPoint, PathSettings, PathState
@@ -148,11 +148,14 @@ def _follow(
         if memory.reached == enough and not sought:
             raise _Found(memory)
 
-    return follow_path(
+    return follow_loads(
         log.problem,
         log.factor,
         targets,
         settings,
+        log.job.scene.load.order,
+        log.notes.append,
+        lambda _: False,  # contact is not modelled here
         log.job.progress.iteration,
         on_state=log.keep,
         on_step=after,
@@ -210,5 +213,7 @@ def _measured(scene: BodyScene, mesh: SolidMesh, folder: Path, run: Run) -> dict
         if saved is not None:
             out[row.pressure_kpa] = {name: function(saved[0]) for name, function in functions.items()}
             if scene.geometry.kind == "mesh":
-                out[row.pressure_kpa]["volume_mm3"] = row.volume_mm3
+                held = {"tip_force_n": scene.load.tip == "blocked", "reaction_n": not math.isnan(row.reaction_n)}
+                out[row.pressure_kpa] |= {"volume_mm3": row.volume_mm3}
+                out[row.pressure_kpa] |= {name: getattr(row, name) for name, is_held in held.items() if is_held}
     return out

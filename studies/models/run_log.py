@@ -120,6 +120,17 @@ def ending(reason: str, notes: Sequence[str]) -> str:
     return f"{reason}; {touch}" if reason and touch else reason
 
 
+def without_missed(path: EquilibriumPath, notes: Sequence[str]) -> EquilibriumPath:
+    """The path, not reached if a note says so of a requested load (`solvers.paths.orders`)."""
+    missed = [note for note in notes if note.startswith(MISSED)]
+    if not missed:
+        return path
+    cause = Cause.STEP_SIZE if path.reached else path.cause
+    return dataclasses.replace(
+        path, reached=False, reason="; ".join([*missed, *filter(None, [path.reason])]), cause=cause
+    )
+
+
 class Log:
     """A run on its way: what an interrupted one left is read first, each state is kept. Every rank calls.
 
@@ -259,6 +270,7 @@ class Log:
             Of silicone and rings.
         """
         job, problem = self.job, self.problem
+        path = without_missed(path, self.notes)
         made = self._factorisations + self.factor.count
         peak = provenance.peak_memory_mb(self.comm)
         self.factor.close()

@@ -23,7 +23,17 @@ from studies.scene.materials import (
     material_faults,
     small_load_faults,
 )
-from studies.scene.sections import APART, LARGEST_VOLUME, LargestVolume, Length, Section, Stiffness, is_ascending
+from studies.scene.sections import (
+    APART,
+    LARGEST_VOLUME,
+    LargestVolume,
+    Length,
+    Order,
+    Section,
+    Stiffness,
+    is_ascending,
+    order_faults,
+)
 
 # A bond meant as rigid is a layer this stiff, MPa/mm: its slip is at most 0.003 mm at 20 kPa, and tips are within
 # 0.005 % of those with meshed PLA rings, which share their nodes with the wall (make study-paper; docs/decisions.md).
@@ -124,7 +134,7 @@ class Load(Section):
     control: Literal["auto", "pressure", "volume", "arc"] = "auto"
     tip: Literal["free", "blocked"] = "free"
     tip_force_n: Annotated[float, Field(allow_inf_nan=False)] = 0.0
-    order: Literal["auto", "force-first", "together", "pressure-first"] = "auto"
+    order: Order = "auto"
     largest_volume: LargestVolume = LARGEST_VOLUME  # the path ends at so many times the unloaded volume
 
     @model_validator(mode="after")
@@ -329,11 +339,7 @@ def _tip_faults(scene: BellowsScene) -> list[str]:
     given = f"load.tip_force_n = {scene.load.tip_force_n:g}"
     if scene.load.tip_force_n and scene.blocked:
         faults.append(f'{given}: a blocked tip takes no force: it must be 0, or load.tip = "free"')
-    if scene.load.order != "auto" and not scene.load.tip_force_n:
-        faults.append(
-            f'load.order = "{scene.load.order}": there is no force beside the pressure: leave the key out, or set '
-            "load.tip_force_n"
-        )
+    faults += order_faults(scene.load.order, scene.load.tip_force_n)
     if scene.load.tip_force_n and scene.geometry.tip != "rigid":
         faults.append(f'{given}: a force acts on a rigid plate: set geometry.tip = "rigid"')
     if "tip_force_n" in scene.ask.quantities and not scene.blocked:

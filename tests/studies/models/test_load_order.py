@@ -139,7 +139,6 @@ def test_a_pressure_without_a_state_is_named_and_the_others_are_solved(write, tm
 def test_a_force_that_nothing_carries_stops_by_name(write, tmp_path: Path, monkeypatch) -> None:
     def fails(problem, factor, settings, state, start, end, accept=None):
         raise StepFailed("no convergence; last state under -0.6 N at 0 kPa")
-        yield
 
     monkeypatch.setattr("solvers.paths.onset.bring_on", fails)
     scene = load_bellows(write("nothing", "[5.0]", 'tip_force_n = -1.0\norder = "force-first"'))

@@ -112,7 +112,7 @@ def test_a_finer_mesh_follows_if_it_is_small_enough_and_the_last_one_reached_its
     ("model", "level", "of_meridian", "total", "flat", "wanted"),
     [
         ("full3d", "n8", 0.01, 0.1, ("r1", "r2"), BodyLevel(12, 1)),  # the cells round leave more
-        ("sector", "n12", 0.01, 0.1, ("r1", "r2"), BodyLevel(16, 1)),  # a quarter takes multiples of four
+        ("sector", "n8", 0.01, 0.1, ("r1", "r2"), BodyLevel(16, 1)),  # pairs of cells in a quarter of a cap
         ("full3d", "n8", 0.08, 0.1, ("r1", "r2"), "r4"),  # the meridian does: known better first
         ("full3d", "n8", 0.08, 0.1, ("r1", "r2", "r4"), BodyLevel(8, 2)),
         ("full3d", "n8r2", 0.08, 0.1, ("r1", "r2", "r4"), "r8"),
