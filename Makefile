@@ -11,7 +11,7 @@ export MPIRUN
 SCENES ?= $(wildcard scenes/*.toml)
 SWEEP ?= sweeps/heung-map.toml
 EXAMPLES ?= paper outline sweep dimensions closed-form exact verification modes branches imperfection contact vacuum \
-    stability error-model peers cost large stacks
+    fuzz stability error-model peers cost large stacks
 
 # --- ranks and threads ----------------------------------------------------------------------
 # One rank: BLAS may use all cores. Several ranks: one thread each, or they fight for the cores. Two ranks
@@ -146,6 +146,15 @@ sweep: check ## run all scenes of SWEEP, a sweep file -> results/sweeps/NAME
 .PHONY: study-stability
 study-stability: check ## stress test: hundreds of cells, none may be a wrong answer -> results/stability
 	$(LAUNCH) -m studies study stability --out results/stability
+
+.PHONY: fuzz
+SEED ?= 1
+DRAWS ?= 1000
+fuzz: check ## DRAWS inputs drawn from SEED, none may be wrong, crash or hang -> results/fuzz
+	$(LAUNCH) -m studies study fuzz --seed $(SEED) --draws $(DRAWS) --out results/fuzz
+
+.PHONY: study-fuzz
+study-fuzz: fuzz
 
 .PHONY: study-modes
 study-modes: check ## modes that break the symmetry: from which pressure on, in which shape -> results/modes

@@ -114,6 +114,7 @@ class Problem:
         kin = kinematics(domain.mesh, domain.axisymmetric, axes)
         with self.timer("compile"):
             refuse_overlaps(domain)
+        self._materials = materials
         numbers = [*materials, *([] if stiff is None else [STIFF])]
         self._measures = cell_measures(domain, self.quadrature_degree, numbers)
         self.parts = compile_parts(materials, domain.mesh, self._measures, self._jumping(materials))
@@ -164,7 +165,8 @@ class Problem:
         self.load.compile(closed=bodies is not None and bodies.plate is not None and bodies.plate_closes)
         self.conservative = self.load.conservative
         self._tangent = compat.compile_form(tangents[self.conservative])
-        self.deformation = Deformation(self.unknowns, kin, degree, self.timer, self.parts)
+        laws = {number: material.law for number, material in self._materials.items()}
+        self.deformation = Deformation(self.unknowns, kin, degree, self.timer, self.parts, laws)
 
     def _measure(self, kin: Kinematics) -> None:
         """What residuals of the volume and volumes are measured by."""

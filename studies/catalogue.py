@@ -19,6 +19,7 @@ STUDIES: Mapping[str, str] = {
     "exact": "studies.verification.exact",
     "verification": "studies.verification.study",
     "stability": "studies.stability.study",
+    "fuzz": "studies.fuzz.study",
     "modes": "studies.modes.study",
     "branches": "studies.branches.study",
     "imperfection": "studies.imperfection.study",

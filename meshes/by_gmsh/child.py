@@ -37,7 +37,7 @@ def run_gmsh(module: str, failed: str, *arguments: str, text: str | None = None,
     Raises
     ------
     MeshError
-        If it fails or hangs; the message ends with what gmsh said.
+        If it fails or hangs; the message ends with the last that gmsh said.
     """
     command = [sys.executable, "-m", module, *arguments]
     try:
@@ -54,6 +54,7 @@ def run_gmsh(module: str, failed: str, *arguments: str, text: str | None = None,
     except subprocess.TimeoutExpired:
         raise MeshError(f"{failed} within {seconds:g} s") from None
     if done.returncode != 0:
-        said = (done.stderr or done.stdout).strip()[-400:] or "silence"
-        raise MeshError(f"{failed} (exit {done.returncode}): {said}")
+        lines = (done.stderr or done.stdout).split("\n")
+        said = next((line.strip() for line in reversed(lines) if line.strip()), "silence").removeprefix("Exception: ")
+        raise MeshError(f"{failed} (exit {done.returncode}): {said[:400]}")
     return done.stdout

@@ -12,6 +12,7 @@ REMEDY = {
     Cause.INVERTED_CELL: "look at the shape there (a sharp corner, a fold), refine the mesh there or soften the bond's "
     "edge",
     Cause.MATERIAL_RANGE: "the law's numbers do not hold at such stretches: ask for less pressure or use another law",
+    Cause.LAW_SOFTENS: "ask for smaller loads, or fit the law so that it stiffens at such stretches",
     Cause.LINEAR_SOLVER: "the tangent may be singular: check that supports hold the body, every part of it",
     Cause.OUT_OF_MEMORY: "use more memory or ranks, fewer cells, or a larger disk in MUMPS_OOC_TMPDIR",
     Cause.NO_RESPONSE: 'use control = "pressure"',
@@ -65,8 +66,12 @@ def failed_steps(
     """
     here = history[-1]
     at = f"last state at {1e3 * here.pressure_mpa:.6g} kPa"
+    lost = loss_of_stability(crossing)
+    more = f"; on the way: {lost}" if lost else ""
     if failure.cause is Cause.OUT_OF_MEMORY:
         return failure.cause, f"{failure}; {at}; {REMEDY[failure.cause]}"
+    if failure.cause is Cause.LAW_SOFTENS:  # at the smallest steps: this, not the structure, is what ends the path
+        return failure.cause, f"{failure}; {at}{more}; {REMEDY[failure.cause]}"
     limit = limit_pressure(history)
     share = here.slope_mpa_per_mm3 / stiffest if stiffest > 0.0 else math.nan
     if control == "pressure" and share < 0.2 and limit <= 1.02 * here.pressure_mpa:
@@ -74,13 +79,11 @@ def failed_steps(
             f"limit point near {1e3 * limit:.6g} kPa: dP/dV has fallen to {100.0 * share:.2g} % of its largest; {at}; "
             'pressure control cannot pass it, control = "auto" or "volume" can'
         )
-    lost = loss_of_stability(crossing)
     if crossing is not None and crossing.kind is Cause.BIFURCATION and here.unstable:
         return Cause.BIFURCATION, (
             f"{lost}; beyond it the path followed is not the one the body takes, and its steps failed: {failure}; "
             f"{at}; give the geometry a small imperfection in the critical mode to follow the other branch"
         )
-    more = f"; on the way: {lost}" if lost else ""
     kind = "" if failure.cause is Cause.MATERIAL_RANGE else f"{failure.cause}: "  # its message names itself
     return failure.cause, f"{kind}{failure}; {at}{more}; {REMEDY[failure.cause]}"
 

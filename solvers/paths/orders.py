@@ -24,7 +24,7 @@ from solvers.problem import Problem
 # ``auto``: the force first if the body carries it alone, stable and with nothing touching, else the pressure.
 Order = Literal["auto", "force-first", "together", "pressure-first"]
 # After such a stop more pressure, however it is brought on, is of no use.
-HOPELESS = (Cause.OUT_OF_MEMORY, Cause.MATERIAL_RANGE, Cause.TOO_LARGE)
+HOPELESS = (Cause.OUT_OF_MEMORY, Cause.MATERIAL_RANGE, Cause.LAW_SOFTENS, Cause.TOO_LARGE)
 REMEDY = '; load.order = "pressure-first" brings the pressure on before the force'
 # Begins what is told of a pressure at which the force could not be brought on.
 MISSED = "no state at "

@@ -84,6 +84,8 @@ def follow_path(
             control = walk.control
             if follower.retry(walk, aim, failure):
                 continue
+            # beyond where a law softens steps fail in many ways
+            failure = walk.softened or failure
             cause, reason = failed_steps(failure, walk.history, walk.crossing, control, walk.stiffest)
             break
         for item in found:

@@ -53,6 +53,7 @@ class Walk:
     limit_mpa: float = math.nan
     failures: int = 0
     switched: bool = False
+    softened: StepFailed | None = None
 
     @property
     def here(self) -> PathPoint:
@@ -293,7 +294,7 @@ class Follower:
     def adapt(self, walk: Walk, aim: Aim, iterations: int) -> None:
         """Step size, and with ``auto`` the control, after a step that worked."""
         settings = self.settings
-        walk.failures, walk.switched = 0, False
+        walk.failures, walk.switched, walk.softened = 0, False, None
         if settings.control == "arc" and walk.control != "arc":
             self._switch(walk, "arc")
             return
@@ -337,7 +338,9 @@ class Follower:
         if failure.cause is Cause.OUT_OF_MEMORY:
             return False
         walk.failures += 1
-        if self.settings.control == "auto" and not walk.switched:
+        if failure.cause is Cause.LAW_SOFTENS:
+            walk.softened = failure  # another control would come to the same states
+        elif self.settings.control == "auto" and not walk.switched and walk.softened is None:
             if walk.control == "pressure":
                 walk.switched = True
                 self._switch(walk, "volume")

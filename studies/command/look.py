@@ -45,6 +45,7 @@ def material(scene: Path, as_json: bool) -> None:
     import numpy as np
 
     from analytical.exact.homogeneous import MODES, stress_curves
+    from studies.planning.warnings import law_range
     from studies.scene.materials import describe_material, law_of
 
     ((checked, _),) = load_scenes((scene,))
@@ -62,7 +63,7 @@ def material(scene: Path, as_json: bool) -> None:
         }
         say(json.dumps(content, indent=1))
         return
-    say(describe_material(checked.material))
+    say("\n".join(line for line in (describe_material(checked.material), law_range(checked.material)) if line))
     say(f"initial shear modulus {modulus:.4g} kPa, initial Young's modulus {3.0 * modulus:.4g} kPa")
     lines = [(f"{stretch:g}", *(f"{stresses[mode][k]:.4g}" for mode in MODES)) for k, stretch in enumerate(STRETCHES)]
     say(as_text(Table(("stretch", *(f"{mode}, nominal kPa" for mode in MODES)), tuple(lines), ())))

@@ -32,6 +32,12 @@ def sweep(file: Path, out: Path) -> None:
     def work() -> int:
         outcome = farm.run_sweep(file, out, MPI.COMM_WORLD, Progress(MPI.COMM_WORLD))
         say(f"table: {out / 'sweep.csv'}")
+        if outcome.failed or outcome.stopped:
+            say(
+                f"{outcome.failed} of {outcome.scenes} scenes failed, {outcome.stopped} stopped early: the column "
+                "status says why",
+                err=True,
+            )
         if outcome.not_met:
             say(
                 f"{outcome.not_met} of {outcome.scenes} scenes do not hold the tolerance: the column status says what "

@@ -180,7 +180,7 @@ class ContactWatch:
 
 def write_reports(path: Path, pressure_kpa: float, reports: tuple[PairReport, ...]) -> None:
     """Add a state's pairs to a table, in place of what is there for its pressure."""
-    key = f"{pressure_kpa:.6g}"
+    key = f"{pressure_kpa:.12g}"
     rows = [row for row in read_reports(path) if row["pressure_kpa"] != key]
     rows += [{"pressure_kpa": key, **{k: str(v) for k, v in asdict(report).items()}} for report in reports]
     header = ["pressure_kpa", "what", "gap_mm", "force_n", "places"]

@@ -249,7 +249,8 @@ def _count(
     for crossing in mode_crossings(counter, factor, points, counts):
         problem.set_state(crossing.state)
         found.append(_found(crossing, problem, tip_mm))
-        shapes[crossing.waves] = _shape_content(crossing)
+        if crossing.shape is not None:
+            shapes[crossing.waves] = _shape_content(crossing.state, crossing.shape)
     counter.close()
     factor.close()
     return by_pressure, found, shapes
@@ -271,8 +272,7 @@ def _found(crossing: ModeCrossing, problem: Problem, tip_mm: Callable[[State], f
     )
 
 
-def _shape_content(crossing: ModeCrossing) -> bytes:
+def _shape_content(state: State, shape: Shape) -> bytes:
     buffer = io.BytesIO()
-    state, shape = crossing.state, crossing.shape
     np.savez(buffer, **asdict(state), amplitude_mm=shape.amplitude_mm, mode_bodies_mm=shape.bodies_mm)
     return buffer.getvalue()

@@ -61,7 +61,7 @@ def _state_rows(
     if found is None:
         unit, status = STATE_QUANTITIES[main], value_status(run, pressure_kpa, math.nan, ".3f")
         return [row(scene, main, unit, pressure_kpa, model, math.nan, level, status=status)]
-    here = [c for c in contacts if math.isclose(float(c["pressure_kpa"]), pressure_kpa, rel_tol=1e-5)]
+    here = [c for c in contacts if math.isclose(float(c["pressure_kpa"]), pressure_kpa, rel_tol=1e-9)]
     touching = {
         "contact_force_n": sum(float(c["force_n"]) for c in here),
         "touching_places": float(sum(int(c["places"]) for c in here)),

@@ -24,7 +24,13 @@ from studies.results.uncertainty import SAFETY_IN_DOUBT
 from studies.scene.bellows import BellowsScene, TipQuantity
 
 UNITS: dict[TipQuantity, str] = {"tip_mm": "mm", "tip_force_n": "N"}
-CHECKS = {"unstable_modes": "1", "min_det_f": "1", "bond_slip_rms_mm": "mm", "tip_centre_mm": "mm"}
+CHECKS = {
+    "unstable_modes": "1",
+    "min_det_f": "1",
+    "largest_stretch": "1",
+    "bond_slip_rms_mm": "mm",
+    "tip_centre_mm": "mm",
+}
 
 
 def bellows_rows(scene: BellowsScene, runs: Sequence[Run]) -> list[Row]:

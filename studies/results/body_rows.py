@@ -19,7 +19,7 @@ SMOOTH, WITH_CORNERS = Orders(3.0), Orders(3.0, EDGE_ORDER)
 # By so much of the bore the layer under a tube's cap moves it at most, however fine the mesh (docs/decisions.md).
 CAP_SHARE = 1e-5
 UNITS = {"volume_mm3": "mm3", "torque_nmm": "N mm", "axial_force_n": "N", "tip_force_n": "N", "reaction_n": "N"}
-CHECKS = {"unstable_modes": "1", "min_det_f": "1"}
+CHECKS = {"unstable_modes": "1", "min_det_f": "1", "largest_stretch": "1"}
 # What is read off whole paths, not at single loads; all in kPa.
 OF_PATHS = ("limit_kpa", "crossing_kpa")
 

@@ -12,7 +12,7 @@ from typing import Final
 import threadpoolctl
 from mpi4py import MPI
 
-from studies.engine import Bar, Page, Setting, Solved, Study, farm
+from studies.engine import ROWS_FILE, Bar, Page, Setting, Solved, Study, farm
 from studies.first_rank import first
 from studies.report.numbers import duration
 from studies.results import provenance
@@ -27,6 +27,7 @@ from studies.stability.tables import (
     Ended,
     controls_table,
     counts_table,
+    generated,
     of_axis,
     of_verdict,
     others_table,
@@ -155,6 +156,7 @@ def page(solved: Sequence[Solved[Cell, Outcome]], at: Setting) -> Page:
         "pressure_tolerance": f"{PRESSURE_TOLERANCE_PERCENT:g}",
         "same": f"{SAME_PERCENT:g}",
         "seconds": duration(sum(one.result.seconds for one in solved)),
+        "generated": generated(at.out.with_name("fuzz") / ROWS_FILE),
     }
     return Page([row for one in solved for row in rows_of(one)], content, bars=bars_of(product, pairs))
 

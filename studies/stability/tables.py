@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 from studies.engine import Solved
 from studies.report.numbers import MISSING
 from studies.report.tables import Table, table_of
-from studies.results.rows import REACHED, Row, row
+from studies.results.rows import REACHED, Row, read_rows, row
 from studies.stability.cells import Axis, Bellows, Cell
 from studies.stability.judge import Outcome
 from studies.stability.plots import LOOKS, Square
 
 Ended = Solved[Cell, Outcome]
+# How generated inputs end, and how their rows' statuses begin then.
+GENERATED = {"right": REACHED} | {name: name for name in ("refused", "stopped", "wrong", "crash", "time out")}
 
 
 def rows_of(one: Ended) -> list[Row]:
@@ -74,6 +78,15 @@ def _earliest(ended: Sequence[Ended]) -> str:
     """Least share of the load at which one stopped."""
     shares = [one.result.share for one in of_verdict("stop", ended)]
     return f"{100 * min(shares):.0f}" if shares else MISSING
+
+
+def generated(rows: Path) -> str:
+    """How the inputs of `make fuzz` ended, a sentence; empty if it has not been run."""
+    if not rows.exists():
+        return ""
+    endings = Counter(one.status.partition(":")[0] for one in read_rows(rows))
+    counts = ", ".join(f"{endings[end]} {name}" for name, end in GENERATED.items())
+    return f"{endings.total()} inputs: {counts}"
 
 
 def others_table(ended: Sequence[Ended]) -> Table:
