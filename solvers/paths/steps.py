@@ -114,7 +114,8 @@ class Follower:
     def largest_step(self, walk: Walk, control: ControlName) -> float:
         """Size of the largest step under a control."""
         beyond = control == "volume" and not math.isnan(walk.limit_mpa)
-        return max(self.largest[control], self.settings.growth_beyond * walk.here.volume_mm3 if beyond else 0.0)
+        grown = walk.here.volume_mm3 - self.problem.volume_start_mm3
+        return max(self.largest[control], self.settings.growth_beyond * grown if beyond else 0.0)
 
     def first_step(self, control: ControlName) -> float:
         """Size of the first step under a control."""
