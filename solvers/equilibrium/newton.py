@@ -28,6 +28,9 @@ class NewtonSettings:
         A residual below the first also counts as zero when the last increment was below the second times the
         displacement: the internal forces of a stiff ring cancel only to round-off, to 2e-6 of the load where it is a
         million times as stiff as the wall.
+    round_off
+        A residual below this that an iteration with a fresh factor does not halve is that of round-off: a soft bellows
+        under a small dead force moves by more than ``still`` in every iteration.
     max_iterations
         Newton iterations before the step is given up.
     reuse_below
@@ -43,6 +46,7 @@ class NewtonSettings:
     relative_tolerance: float = 1e-8
     stalled_tolerance: float = 1e-4
     still: float = 1e-10
+    round_off: float = 1e-7
     max_iterations: int = 14
     reuse_below: float = 0.1
     max_cuts: int = 6
@@ -121,6 +125,7 @@ def solve_equilibrium(
     before = factor.count
     control.begin(problem)
     error = moved = np.inf
+    fresh = False
     here = _residual(problem, control)
     for iteration in range(settings.max_iterations + 1):
         new_error = here.error
@@ -129,6 +134,7 @@ def solve_equilibrium(
         if on_iteration is not None:
             on_iteration(iteration, new_error)
         stalled = new_error <= settings.stalled_tolerance and moved <= settings.still
+        stalled |= fresh and 0.5 * error < new_error <= settings.round_off
         if new_error <= settings.relative_tolerance or stalled:
             det_f, stretch = _check_state(problem)
             factor.refresh()  # the stability count is that of the converged state
@@ -138,8 +144,8 @@ def solve_equilibrium(
         if new_error > 1e8 or iteration == settings.max_iterations:
             raise StepFailed(f"no convergence: relative residual {new_error:.1e} after {iteration} iterations")
         reuse = iteration > 0 and new_error < settings.reuse_below * error
-        error = new_error
-        if not reuse:
+        error, fresh = new_error, not reuse
+        if fresh:
             factor.refresh()
             if problem.turning is not None:
                 problem.turning.mark(problem.state.x.array[: problem.owned], problem.body_values)

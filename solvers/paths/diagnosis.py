@@ -88,25 +88,43 @@ def failed_steps(
     return failure.cause, f"{kind}{failure}; {at}{more}; {REMEDY[failure.cause]}"
 
 
-def too_large(multiple: float, highest: PathPoint, asked_mpa: float, crossing: Crossing | None) -> tuple[Cause, str]:
+def too_large(
+    multiple: float, here: PathPoint, limit_mpa: float, asked_mpa: float, crossing: Crossing | None
+) -> tuple[Cause, str]:
     """Kind and sentence for a path that ended because the cavity grew beyond measure.
+
+    A farther branch is spoken of only where the pressure rises at the end.
 
     Parameters
     ----------
     multiple
         The largest volume allowed, relative to the unloaded one.
-    highest
-        The state of highest pressure met.
+    here
+        The last state.
+    limit_mpa
+        Pressure of the limit point that the path has passed; NaN without one.
     asked_mpa
         The pressure that was asked for next.
     crossing
         Where stability was lost on the way, if it was.
     """
     end = f"the cavity exceeds {multiple:g} times its unloaded volume and {1e3 * asked_mpa:.6g} kPa is not reached"
-    if crossing is not None and crossing.kind is Cause.LIMIT_POINT:
-        return Cause.LIMIT_POINT, f"{loss_of_stability(crossing)}; {end}; ask for less than the limit pressure"
     lost = f"; on the way: {loss_of_stability(crossing)}" if crossing is not None else ""
-    return Cause.TOO_LARGE, (
-        f"{end}; highest pressure {1e3 * highest.pressure_mpa:.6g} kPa{lost}; check the units of the "
-        "material, or ask for less pressure"
+    if math.isnan(limit_mpa):
+        return Cause.TOO_LARGE, (
+            f"{end}; highest pressure {1e3 * here.pressure_mpa:.6g} kPa{lost}; check the units of the material, ask "
+            "for less pressure, or set load.largest_volume higher"
+        )
+    limit = f"limit point at {1e3 * limit_mpa:.6g} kPa{lost}"
+    if crossing is not None and crossing.kind is Cause.LIMIT_POINT:
+        limit = loss_of_stability(crossing)
+    limit = f"{limit}; beyond it {end}"
+    if here.slope_mpa_per_mm3 > 0.0:
+        return Cause.LIMIT_POINT, (
+            f"{limit}, but the pressure rises again, {1e3 * here.pressure_mpa:.6g} kPa there: a farther branch begins, "
+            f"which load.largest_volume above {multiple:g} follows; or ask for less than the limit pressure"
+        )
+    return Cause.LIMIT_POINT, (
+        f"{limit}, nor does the pressure rise again, {1e3 * here.pressure_mpa:.6g} kPa there and falling: ask for less "
+        "than the limit pressure"
     )

@@ -17,7 +17,7 @@ from studies.models.session import SceneResult
 from studies.models.tolerance import worst_percent
 from studies.report.labels import model_label, ordered, quantity_label, run_label
 from studies.report.numbers import signed
-from studies.results.rows import Row
+from studies.results.rows import Row, snap_of
 from studies.scene.load import Scene
 
 # The models whose result is the answer, the best first.
@@ -90,13 +90,13 @@ def _number(value: float) -> str:
 
 
 def _value(row: Row | None) -> str:
-    """A value with its uncertainty, or why there is none."""
+    """A value with its uncertainty and in which state, or why there is none."""
     if row is None:
         return "–"
     if math.isnan(row.value):
         return row.status.split(":")[0]
     spread = "" if math.isnan(row.uncertainty) else f" ± {row.uncertainty:.2g}"
-    return f"{_number(row.value)}{spread}"
+    return ", ".join(filter(None, [f"{_number(row.value)}{spread}", snap_of(row)]))
 
 
 def _apart(row: Row | None, value: float) -> str:

@@ -20,9 +20,10 @@ from mpi4py import MPI
 
 from meshes.quality import mesh_quality
 from meshes.solid import SolidMesh
-from solvers.errors import SolverError
+from solvers.errors import Cause, SolverError
 from solvers.linear.factor import Factor
 from solvers.paths.checkpoint import CheckpointError, read_checkpoint, write_checkpoint
+from solvers.paths.orders import MISSED
 from solvers.paths.states import Crossing, GuessMemory, PathMemory, PathState
 from solvers.paths.states import Path as EquilibriumPath
 from solvers.problem import Problem
@@ -49,7 +50,7 @@ from studies.results.run_files import (
     write_path,
     write_summary,
 )
-from studies.results.runs import MEASURED_FILE, Run, run_hash
+from studies.results.runs import MEASURED_FILE, Run, farthest_kpa, run_hash
 from studies.scene.load import Scene
 
 CHECKPOINT_FILE, MODE_FILE = "checkpoint.npz", "critical_mode"
@@ -127,6 +128,17 @@ def ending(reason: str, notes: Sequence[str]) -> str:
     """Why a path ended; if something touched before, that too."""
     touch = next((note for note in notes if note.startswith(CONTACT)), None)
     return f"{reason}; {touch}" if reason and touch else reason
+
+
+def without_missed(path: EquilibriumPath, notes: Sequence[str]) -> EquilibriumPath:
+    """The path, not reached if a note says so of a requested load (`solvers.paths.orders`)."""
+    missed = [note for note in notes if note.startswith(MISSED)]
+    if not missed:
+        return path
+    cause = Cause.STEP_SIZE if path.reached else path.cause
+    return dataclasses.replace(
+        path, reached=False, reason="; ".join([*missed, *filter(None, [path.reason])]), cause=cause
+    )
 
 
 class Log:
@@ -268,6 +280,7 @@ class Log:
             Of silicone and rings.
         """
         job, problem = self.job, self.problem
+        path = without_missed(path, self.notes)
         made = self._factorisations + self.factor.count
         peak = provenance.peak_memory_mb(self.comm)
         self.factor.close()
@@ -304,8 +317,7 @@ class Log:
             self._file.unlink(missing_ok=True)
         summary = self.comm.bcast(summary)
         assert summary is not None
-        last = self.rows[-1].pressure_kpa if self.rows else 0.0
-        how = "reached" if path.reached else f"stopped at {last:.2f} kPa: {summary.reason}"
+        how = "reached" if path.reached else f"stopped at {farthest_kpa(self.rows):.2f} kPa: {summary.reason}"
         job.progress.end(
             f"{job.label}: {how}; {summary.dofs} unknowns, {made} factorisations, {summary.time_s['total']:.1f} s"
         )
@@ -346,6 +358,7 @@ def path_row(item: PathState, tip: Tip | None, parts: int = 1, sense: float = 1.
         wall_s=item.wall_s,
         status="requested" if item.asked else "step",
         bond_slip_rms_mm=item.bond_slip_mm,
+        limit_kpa=sense * 1e3 * item.limit_mpa,
         largest_stretch=item.newton.largest_stretch,
         residual=item.newton.residual,
     )

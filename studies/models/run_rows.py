@@ -59,7 +59,7 @@ def _state_rows(
     scene, level, main = run.summary.scene, run.summary.level, quantities[0]
     found = run.at(pressure_kpa)
     if found is None:
-        unit, status = STATE_QUANTITIES[main], value_status(run, math.nan, ".3f")
+        unit, status = STATE_QUANTITIES[main], value_status(run, pressure_kpa, math.nan, ".3f")
         return [row(scene, main, unit, pressure_kpa, model, math.nan, level, status=status)]
     here = [c for c in contacts if math.isclose(float(c["pressure_kpa"]), pressure_kpa, rel_tol=1e-9)]
     touching = {

@@ -13,11 +13,11 @@ from mpi4py import MPI
 from meshes.errors import GeometryError, MeshError
 from solvers.atomic import write_atomically
 from solvers.errors import SolverError
+from solvers.paths.orders import UNSTABLE
 from studies.models.axisymmetric import run_axisymmetric
 from studies.models.closed_form import run_closed_form
 from studies.models.full3d import SolidModel, run_full3d
 from studies.models.modes import COUNTED_LEVELS
-from studies.models.modes import WARNING as UNSTABLE
 from studies.models.run_log import WARNING, scene_notes
 from studies.models.tolerance import Shortfall, asked_of, finer_body, first_body, marked, shortfalls, until_good_enough
 from studies.models.tolerance import sentence as shortfall_sentence
@@ -106,10 +106,19 @@ class SceneResult(Generic[SceneKind]):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """The range of a law that softens, warnings of the answer, harmonics that axisymmetric states lose."""
+        """The range of a law that softens, warnings of the answer, what states are unstable against."""
         own = scene_notes(self.scene) if self.answer is None else self.answer.summary.plan
         unstable = [n for run in self.axisymmetric for n in run.summary.plan if n.startswith(UNSTABLE)]
-        return tuple(dict.fromkeys([*(n for n in own if n.startswith((LAW, WARNING))), *unstable]))
+        told = [*(n for n in own if n.startswith((LAW, WARNING))), *unstable, *self._unstable_states()]
+        return tuple(dict.fromkeys(told))
+
+    def _unstable_states(self) -> list[str]:
+        """Which of the answer's states are unstable by its own count, a sentence if any is."""
+        found = [row for row in self.answer.requested if row.unstable_modes > 0] if self.answer else []
+        if self.answer is None or not found:
+            return []
+        states = ", ".join(f"{row.pressure_kpa:.4g} kPa ({row.unstable_modes:g} modes)" for row in found)
+        return [f"{UNSTABLE} by the count of {self.answer.summary.model}: {states}"]
 
     @property
     def remark(self) -> str:

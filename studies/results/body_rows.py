@@ -48,7 +48,7 @@ def _rows_at(scene: BodyScene, runs: Sequence[Run], load: float) -> list[Row]:
         spread = _convergence(scene, runs, found)
         for run, value in zip(runs, found, strict=True):
             at = (scene.name, quantity, unit, load, run.summary.model, value, run.summary.level)
-            rows.append(row(*at, spread.uncertainty(value), *known, value_status(run, value, ".6g")))
+            rows.append(row(*at, spread.uncertainty(value), *known, value_status(run, load, value, ".6g")))
     return rows + state_rows(scene.name, runs[-1], load, CHECKS)
 
 

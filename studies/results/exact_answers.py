@@ -115,7 +115,11 @@ def _sphere_bore(scene: BodyScene, body: sphere.Sphere, load: float) -> Answer:
     if softness > 0.0:
         found = compressible.state_at_pressure(body, law, 1.0 / softness, load)
         return found.inner_mm - body.inner_radius_mm, "exact: compressible sphere"
-    return sphere.inner_radius_at_pressure_mm(body, law, load) - body.inner_radius_mm, "exact: sphere"
+    limit = sphere.limit_point(body, law)
+    if limit is None or load <= limit.pressure_mpa:
+        return sphere.inner_radius_at_pressure_mm(body, law, load) - body.inner_radius_mm, "exact: sphere"
+    beyond = sphere.inner_radius_beyond_limit_mm(body, law, load) - body.inner_radius_mm
+    return beyond, "exact: sphere beyond its limit point"
 
 
 def _ring_bore(scene: BodyScene, body: tube.Tube, load: float) -> Answer:

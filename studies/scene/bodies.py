@@ -42,8 +42,9 @@ from studies.scene.materials import (
     YeohMaterial,
     describe_material,
     material_faults,
+    small_load_faults,
 )
-from studies.scene.sections import APART, Section, is_ascending
+from studies.scene.sections import APART, LARGEST_VOLUME, LargestVolume, Order, Section, is_ascending, order_faults
 from studies.scene.users_mesh import mesh_faults
 
 Load_kPa = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
@@ -87,6 +88,8 @@ class BodyLoad(Section):
     traction_kpa: Annotated[list[Load_kPa], Field(min_length=1)] | None = None
     twist_rad_per_mm: Annotated[float, Field(ge=-1.0, le=1.0)] | None = None
     control: Literal["auto", "pressure", "volume", "arc"] = "auto"
+    order: Order = "auto"
+    largest_volume: LargestVolume = LARGEST_VOLUME  # the path ends at so many times the unloaded volume
     tip: Literal["free", "blocked"] = "free"
     tip_force_n: Annotated[float, Field(allow_inf_nan=False)] = 0.0
 
@@ -237,6 +240,8 @@ def body_faults(scene: BodyScene) -> list[str]:
             given = f"load.tip_force_n = {load.tip_force_n:g}" if load.tip_force_n else f"load.tip = {load.tip!r}"
             faults.append(f"{given}: of a bellows or a user's mesh: leave the key out")
     highest = scene.loads_kpa[-1] if scene.loads_kpa else 0.0
+    faults += order_faults(load.order, load.tip_force_n)
+    faults += small_load_faults(scene.material, scene.loads_kpa, f"load.{right}")
     return faults + _material_faults(scene, highest, f"load.{right}")
 
 

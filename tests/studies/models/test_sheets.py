@@ -25,6 +25,7 @@ law = "neo-hooke"
 mu_kpa = {mu}
 [load]
 pressure_kpa = {loads}
+control = "{control}"
 [ask]
 quantities = ["displacement_max_mm"]
 """
@@ -37,11 +38,13 @@ def solved(tmp_path, monkeypatch):
     Of the finest mesh; the first alone unless more are named.
     """
 
-    def solve(counts, place, sides, mu: float, loads: list[float], levels=("m1",)) -> tuple[int, list[Row], Path]:
+    def solve(
+        counts, place, sides, mu: float, loads: list[float], levels=("m1",), control: str = "auto"
+    ) -> tuple[int, list[Row], Path]:
         monkeypatch.setattr("studies.planning.bodies.USER_LEVELS", levels)
         write_msh(tmp_path / "sheet.msh", Lattice(counts), place, sides)
         scene = tmp_path / "sheet.toml"
-        scene.write_text(SCENE.format(mu=mu, loads=loads), encoding="utf-8")
+        scene.write_text(SCENE.format(mu=mu, loads=loads, control=control), encoding="utf-8")
         result = CliRunner().invoke(main, ["solve", str(scene), "--out", str(tmp_path / "out")])
         rows = read_rows(tmp_path / "out" / "rows.csv")
         asked = [r for r in rows if r.quantity == "displacement_max_mm"]
@@ -62,6 +65,18 @@ def test_clamped_disc_inflated_to_half_its_radius(solved) -> None:
     assert [r.value for r in rows] == pytest.approx([43.12, 62.93, 87.10], abs=0.1)
     assert rows[0].level in ("m2", "m4")
     assert all(abs(r.value - known) < r.uncertainty for r, known in zip(rows, (43.12, 62.93, 87.10), strict=True))
+
+
+def test_disc_is_the_same_under_every_control(solved) -> None:
+    """The first step in pressure leads far from where the sheet began; by arc length a second one shows the way."""
+    found = []
+    for control in ("auto", "pressure", "volume", "arc"):
+        code, rows, out = solved((30, 2), disc(190.5, 12.7), BELOW, 1378.951459, [30.0], control=control)
+        assert code == 0
+        assert control in {"auto"} | {r.control for r in read_path(out)}
+        found.append(rows[0].value)
+    assert found == pytest.approx([found[0]] * 4, rel=1e-7)
+    assert 43.12 < found[0] < 62.93  # between what an independent code has at 13.8 and 34.5 kPa
 
 
 def test_small_deflection_of_a_clamped_disc(solved) -> None:
