@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -40,6 +41,7 @@ def scene(tmp_path: Path):
             text = text.replace(old, new)
         text = re.sub(r"tolerance_percent = [\d.]+", "", text)
         path = tmp_path / Path(name).with_suffix(".toml").name
+        shutil.copy(EXACT / "octant.msh", tmp_path)
         path.write_text(text.replace("[ask]", f"[ask]\ntolerance_percent = {tolerance:.12f}"), encoding="utf-8")
         return path
 
@@ -153,7 +155,16 @@ def test_no_body_model_or_quantity_is_spared(scene, tmp_path, monkeypatch, name,
     assert ("--model axisymmetric" in sentence) == bool(model)
 
 
-def test_one_mesh_tells_no_error_and_that_is_said(tmp_path) -> None:
+def test_users_meshes_are_not_spared_either(scene, tmp_path, monkeypatch) -> None:
+    monkeypatch.setitem(MOST_UNKNOWNS, "full3d", 60_000)  # its edges are halved once
+    out = tmp_path / "out"
+    sentence = said(run("solve", scene("exact/mesh", 1e-10), "--out", out))
+    assert "on full3d m2; 4 of 4 values miss it" in sentence and "--model" not in sentence
+    assert sum(r.status.startswith(NOT_MET) for r in read_rows(out / "rows.csv")) == 4
+
+
+def test_one_mesh_tells_no_error_and_that_is_said(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(bodies, "USER_LEVELS", ("m1",))
     result = run("solve", EXACT / "mesh.toml", "--out", tmp_path / "out")
     assert result.exit_code == 0, result.output
     assert "tolerance 1 %: cannot be told from one mesh" in result.stdout
