@@ -23,9 +23,11 @@ TETRAHEDRON_EDGES = ((2, 3), (1, 3), (1, 2), (0, 3), (0, 2), (0, 1))
 # Nodes of the square and the cube as half steps (0, 1, 2) along each axis, in basix order: corners (the first axis
 # fastest), edges, faces, interior.
 QUADRILATERAL_NODES: IntArray = np.array([[0, 0], [2, 0], [0, 2], [2, 2], [1, 0], [0, 1], [2, 1], [1, 2], [1, 1]])
+# Edges of a quadrilateral as pairs of local corners, in the order of their mid-edge nodes.
+QUADRILATERAL_EDGES = ((0, 1), (0, 2), (1, 3), (2, 3))
 _CORNERS = [(a, b, c) for c in (0, 2) for b in (0, 2) for a in (0, 2)]
 _EDGES = [(0, 1), (0, 2), (0, 4), (1, 3), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 6), (5, 7), (6, 7)]
-_FACES = [(0, 1, 2, 3), (0, 1, 4, 5), (0, 2, 4, 6), (1, 3, 5, 7), (2, 3, 6, 7), (4, 5, 6, 7)]
+_FACES = ((0, 1, 2, 3), (0, 1, 4, 5), (0, 2, 4, 6), (1, 3, 5, 7), (2, 3, 6, 7), (4, 5, 6, 7))
 _CUBE = np.array(_CORNERS)
 HEXAHEDRON_NODES: IntArray = np.vstack(
     [
@@ -49,6 +51,10 @@ class CellShape:
         2 or 3.
     corners
         Number of corners; they come first among the nodes.
+    nodes
+        Places of the nodes in the reference cell, shape (k, d).
+    facets
+        Corners of each facet.
     shape
         Function of points (q, d) giving the shape functions (q, k) and their gradients (q, k, d).
     rule
@@ -58,6 +64,8 @@ class CellShape:
     name: str
     dimension: int
     corners: int
+    nodes: FloatArray
+    facets: tuple[tuple[int, ...], ...]
     shape: Callable[[FloatArray], tuple[FloatArray, FloatArray]]
     rule: tuple[FloatArray, FloatArray]
 
@@ -128,11 +136,40 @@ def _box_shape(nodes: IntArray) -> Callable[[FloatArray], tuple[FloatArray, Floa
     return shape
 
 
+def _simplex_nodes(dimension: int, edges: tuple[tuple[int, int], ...]) -> FloatArray:
+    corners = np.vstack([np.zeros(dimension), np.eye(dimension)])
+    return np.vstack([corners, [corners[list(edge)].mean(axis=0) for edge in edges]])
+
+
 _SHAPES = {
-    (2, 6): CellShape("triangle", 2, 3, _simplex_shape(TRIANGLE_EDGES), _simplex_rule(2)),
-    (3, 10): CellShape("tetrahedron", 3, 4, _simplex_shape(TETRAHEDRON_EDGES), _simplex_rule(3)),
-    (2, 9): CellShape("quadrilateral", 2, 4, _box_shape(QUADRILATERAL_NODES), _box_rule(2)),
-    (3, 27): CellShape("hexahedron", 3, 8, _box_shape(HEXAHEDRON_NODES), _box_rule(3)),
+    (2, 6): CellShape(
+        "triangle",
+        2,
+        3,
+        _simplex_nodes(2, TRIANGLE_EDGES),
+        TRIANGLE_EDGES,
+        _simplex_shape(TRIANGLE_EDGES),
+        _simplex_rule(2),
+    ),
+    (3, 10): CellShape(
+        "tetrahedron",
+        3,
+        4,
+        _simplex_nodes(3, TETRAHEDRON_EDGES),
+        ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)),
+        _simplex_shape(TETRAHEDRON_EDGES),
+        _simplex_rule(3),
+    ),
+    (2, 9): CellShape(
+        "quadrilateral",
+        2,
+        4,
+        0.5 * QUADRILATERAL_NODES,
+        QUADRILATERAL_EDGES,
+        _box_shape(QUADRILATERAL_NODES),
+        _box_rule(2),
+    ),
+    (3, 27): CellShape("hexahedron", 3, 8, 0.5 * HEXAHEDRON_NODES, _FACES, _box_shape(HEXAHEDRON_NODES), _box_rule(3)),
 }
 
 

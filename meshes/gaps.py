@@ -13,9 +13,7 @@ from itertools import chain
 import numpy as np
 from scipy.spatial import cKDTree
 
-from meshes.cells import TRIANGLE_EDGES
 from meshes.solid import FACETS, FloatArray, IntArray, SolidMesh
-from meshes.surface import QUADRILATERAL_EDGES
 
 
 @dataclass(frozen=True)
@@ -194,7 +192,7 @@ def _chain(edges: IntArray) -> IntArray:
 def _mid_nodes(mesh: SolidMesh, corners: IntArray) -> IntArray:
     """Mid-edge node between each corner and the next."""
     known: dict[tuple[int, int], int] = {}
-    for k, (i, j) in enumerate(TRIANGLE_EDGES if mesh.cell.name == "triangle" else QUADRILATERAL_EDGES):
+    for k, (i, j) in enumerate(mesh.cell.facets):
         ends = np.sort(mesh.cells[:, [i, j]], axis=1)
         mids = mesh.cells[:, mesh.cell.corners + k]
         known.update(zip(map(tuple, ends.tolist()), mids.tolist(), strict=True))

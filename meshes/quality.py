@@ -7,23 +7,29 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshes.cells import cell_shape
-from meshes.solid import FACETS, REGIONS, FloatArray, IntArray, SolidMesh
+from meshes.solid import FACETS, FIRST_VOLUME, REGIONS, FloatArray, IntArray, SolidMesh
 
 
-def jacobians(points: FloatArray, cells: IntArray) -> FloatArray:
-    """Signed Jacobian determinants at quadrature points, shape (cells, q)."""
+def jacobians(points: FloatArray, cells: IntArray, at: FloatArray | None = None) -> FloatArray:
+    """Signed Jacobian determinants at places of the reference cell, by default quadrature points, shape (cells, q)."""
     cell = cell_shape(points.shape[1], cells.shape[1])
-    at, _ = cell.rule
+    at = cell.rule[0] if at is None else at
     _, grads = cell.shape(at)
     out = np.empty((len(cells), len(at)))
     for first in range(0, len(cells), 20000):  # blocks keep the memory small
         block = cells[first : first + 20000]
-        out[first : first + 20000] = np.linalg.det(np.einsum("cki,qkj->cqij", points[block], grads))
+        out[first : first + 20000] = np.linalg.det(np.einsum("cki,qkj->cqij", points[block], grads, optimize=True))
     return out
 
 
+def jacobians_with_nodes(points: FloatArray, cells: IntArray) -> FloatArray:
+    """Jacobians at quadrature points and at nodes, where they are least, shape (cells, q)."""
+    cell = cell_shape(points.shape[1], cells.shape[1])
+    return np.hstack([jacobians(points, cells), jacobians(points, cells, cell.nodes)])
+
+
 def region_volumes_mm3(mesh: SolidMesh) -> dict[str, float]:
-    """Volume of each named region in mm^3; a meridian counts as its body of revolution."""
+    """Volume of each region in mm^3; a meridian counts as its body of revolution, a user's volumes as elastomer."""
     at, weights = mesh.cell.rule
     measure = np.abs(jacobians(mesh.points, mesh.cells)) * weights
     if mesh.dimension == 2:
@@ -31,7 +37,8 @@ def region_volumes_mm3(mesh: SolidMesh) -> dict[str, float]:
         radius = np.einsum("ck,qk->cq", mesh.points[mesh.cells, 0], values)
         measure = measure * 2.0 * np.pi * radius
     per_cell = measure.sum(axis=1)
-    return {name: float(per_cell[mesh.regions == number].sum()) for name, number in REGIONS.items()}
+    regions = np.where(mesh.regions < FIRST_VOLUME, mesh.regions, REGIONS["elastomer"])
+    return {name: float(per_cell[regions == number].sum()) for name, number in REGIONS.items()}
 
 
 @dataclass(frozen=True)

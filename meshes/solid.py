@@ -11,6 +11,8 @@ from meshes.cells import TETRAHEDRON_EDGES, TRIANGLE_EDGES, CellShape, FloatArra
 __all__ = ["FACETS", "REGIONS", "TETRAHEDRON_EDGES", "TRIANGLE_EDGES", "FloatArray", "IntArray", "SolidMesh"]
 
 REGIONS = {"elastomer": 1, "cap": 2, "ring": 3}
+# Further regions of a user's mesh, all elastomer unless the scene says what else, count from here.
+FIRST_VOLUME = 11
 # ``start`` and ``end`` are the faces of a sector at angle 0 and at its full angle, ``bottom`` and ``top`` the planes in
 # which a tube or half a sphere ends, ``symmetry_x`` a plane x = const in a user's mesh.
 FACETS = {
@@ -57,6 +59,10 @@ class SolidMesh:
         Where a node lies between meridian nodes, ``meridian_node`` has shape (n, 3).
     meridian_weight
         Shape (n, 3): weights of these three; empty where ``meridian_node`` has one column.
+    volumes
+        Of a user's mesh: each region number, with the names of the physical volumes that the region is in.
+    rigid
+        Of a user's mesh: names of the surfaces that move as rigid bodies, by their numbers in ``facet_bodies``.
     """
 
     points: FloatArray
@@ -69,6 +75,8 @@ class SolidMesh:
     meridian_node: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     angle_rad: FloatArray = field(default_factory=lambda: np.empty(0))
     meridian_weight: FloatArray = field(default_factory=lambda: np.empty(0))
+    volumes: tuple[tuple[int, tuple[str, ...]], ...] = ()
+    rigid: tuple[str, ...] = ()
 
     @property
     def dimension(self) -> int:

@@ -4,19 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshes.cells import TRIANGLE_EDGES, CellShape
+from meshes.cells import CellShape
 from meshes.errors import MeshError
 from meshes.solid import FACETS, FloatArray, IntArray, SolidMesh
 
-# Corners of the facets of the reference cells.
-_FACET_CORNERS: dict[str, list[tuple[int, ...]]] = {
-    "triangle": [(1, 2), (0, 2), (0, 1)],
-    "quadrilateral": [(0, 1), (0, 2), (1, 3), (2, 3)],
-    "tetrahedron": [(1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)],
-    "hexahedron": [(0, 1, 2, 3), (0, 1, 4, 5), (0, 2, 4, 6), (1, 3, 5, 7), (2, 3, 6, 7), (4, 5, 6, 7)],
-}
-# Edges of a quadrilateral as pairs of local corners, in the order of their mid-edge nodes (meshes.cells).
-QUADRILATERAL_EDGES = ((0, 1), (0, 2), (1, 3), (2, 3))
 # Gauss points in each direction: weights of quadratic functions on curved facets to below the mesh's own error.
 _POINTS = 4
 
@@ -45,7 +36,7 @@ def surface_weights(mesh: SolidMesh, name: str) -> FloatArray:
     if not wanted:
         raise MeshError(f"the mesh has no surface named {name}")
     weights = np.zeros(len(mesh.points))
-    for corners in _FACET_CORNERS[mesh.cell.name]:
+    for corners in mesh.cell.facets:
         facets = np.sort(mesh.cells[:, list(corners)], axis=1)
         cells = mesh.cells[[tuple(f) in wanted for f in facets.tolist()]]
         if len(cells):
@@ -69,7 +60,7 @@ def _facet_integrals(points: FloatArray, cells: IntArray, cell: CellShape, corne
 
 def _facet_rule(cell: CellShape, corners: tuple[int, ...]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Points (q, d) of a facet of the reference cell, two (one in 2D) of its edges (d - 1, d), weights (q,)."""
-    place = _reference_corners(cell)[list(corners)]
+    place = cell.nodes[list(corners)]
     x, w = np.polynomial.legendre.leggauss(_POINTS)
     x, w = 0.5 * (x + 1.0), 0.5 * w
     edges = place[1:3] - place[0] if cell.dimension == 3 else place[1:2] - place[0]
@@ -82,16 +73,9 @@ def _facet_rule(cell: CellShape, corners: tuple[int, ...]) -> tuple[FloatArray, 
     return place[0] + s[:, None] * edges[0] + t[:, None] * edges[1], edges, weight
 
 
-def _reference_corners(cell: CellShape) -> FloatArray:
-    d = cell.dimension
-    if cell.corners == d + 1:
-        return np.vstack([np.zeros(d), np.eye(d)])
-    return np.array([[(k >> i) & 1 for i in range(d)] for k in range(2**d)], dtype=float)
-
-
 def boundary_edges(mesh: SolidMesh) -> IntArray:
     """All edges of a meridian that belong to one cell: corner, mid-edge node, corner, shape (k, 3)."""
-    table = TRIANGLE_EDGES if mesh.cell.name == "triangle" else QUADRILATERAL_EDGES
+    table = mesh.cell.facets
     ends = np.concatenate([mesh.cells[:, list(pair)] for pair in table])
     middle = np.concatenate([mesh.cells[:, mesh.cell.corners + k] for k in range(len(table))])
     _, first, count = np.unique(np.sort(ends, axis=1), axis=0, return_index=True, return_counts=True)

@@ -13,6 +13,7 @@ class Cause(StrEnum):
     BIFURCATION = "bifurcation"
     INVERTED_CELL = "inverted cell"
     MATERIAL_RANGE = "out of the material's range"
+    LAW_SOFTENS = "law no longer stable"
     LINEAR_SOLVER = "linear solver"
     OUT_OF_MEMORY = "out of memory"
     NO_RESPONSE = "volume does not respond"

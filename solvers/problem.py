@@ -6,6 +6,8 @@ elastic layer. The parts are in `solvers.assembly`.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -16,10 +18,11 @@ from analytical.laws.stiff import StiffSolid
 from solvers import compat
 from solvers.assembly.checks import Deformation, refuse_overlaps
 from solvers.assembly.load import Load
-from solvers.assembly.surfaces import Surfaces, cell_measures
+from solvers.assembly.surfaces import SOFT, STIFF, Surfaces, cell_measures
 from solvers.assembly.tangent import assemble, new_matrix
 from solvers.assembly.term import Term
 from solvers.assembly.unknowns import Unknowns
+from solvers.assembly.volumes import volume_measure
 from solvers.bodies.bond import BondedBodies
 from solvers.bodies.rigid import RigidBodies
 from solvers.bodies.turning import Turning, turning_bodies
@@ -29,8 +32,9 @@ from solvers.discrete.elements import QUADRATURE_DEGREE, Element, usual_element
 from solvers.discrete.kinematics import Kinematics, kinematics
 from solvers.discrete.sums import Joint, dot
 from solvers.energy.forms import build_forms
-from solvers.energy.laws import Law, compile_law
+from solvers.energy.laws import Law
 from solvers.energy.loads import DEAD
+from solvers.energy.materials import Material, compile_parts, invariant_limits
 from solvers.state import State, Timer
 
 
@@ -40,7 +44,7 @@ class Problem:
     Parameters
     ----------
     domain
-        Mesh; its cell tags are SOFT or STIFF.
+        Mesh; its cell tags are SOFT, STIFF or a number of ``others``.
     law
         Material of the soft cells.
     inverse_kappa
@@ -58,6 +62,8 @@ class Problem:
     frame
         Directions of the displacement's components as columns, shape (3, 3), in 3D without bodies: with one along
         each of two oblique planes of symmetry the other component is what each of them holds. Default: x, y, z.
+    others
+        Further soft materials by the numbers of their cells. A pressure that is continuous is so within a material.
 
     Attributes
     ----------
@@ -65,8 +71,13 @@ class Problem:
         Numbering and current values; the usual ones are also here by their names.
     load, deformation
         The load on the solid, and how far its cells are deformed.
+    parts, invariant_limits
+        The soft materials, compiled, and the limits of those laws that have one.
     contact
         A term that may be set once the problem is there.
+    volume_start_mm3, volume_unit_mm3
+        What volumes of the load are counted from and measured by: see `solvers.assembly.volumes`; the body's own volume
+        for a load that keeps its direction.
 
     Raises
     ------
@@ -85,6 +96,7 @@ class Problem:
         element: Element | None = None,
         quadrature_degree: int | None = None,
         frame: FloatArray | None = None,
+        others: Mapping[int, Material] | None = None,
     ) -> None:
         assert frame is None or bodies is None
         compat.align_counters()
@@ -92,25 +104,37 @@ class Problem:
         self.surfaces, self.stiff, self.bodies, self.inverse_kappa = surfaces, stiff, bodies, float(inverse_kappa)
         self.element = element or usual_element(domain.cell_name)
         self.quadrature_degree = quadrature_degree or QUADRATURE_DEGREE[domain.cell_name]
-        self.shear_modulus_mpa = float(law.initial_shear_modulus_mpa)
+        materials = {SOFT: Material(law, float(inverse_kappa)), **(others or {})}
+        # forces are measured by the softest
+        self.shear_modulus_mpa = min(float(m.law.initial_shear_modulus_mpa) for m in materials.values())
         self.contact: Contact | None = None
-        self._number(frame)
+        self._number(materials, frame)
         self.pressure = fem.Constant(domain.mesh, 0.0)
         axes = None if frame is None else fem.Constant(domain.mesh, frame)
         kin = kinematics(domain.mesh, domain.axisymmetric, axes)
         with self.timer("compile"):
             refuse_overlaps(domain)
-        self.law = compile_law(law, domain.mesh)
+        self._materials = materials
+        numbers = [*materials, *([] if stiff is None else [STIFF])]
+        self._measures = cell_measures(domain, self.quadrature_degree, numbers)
+        self.parts = compile_parts(materials, domain.mesh, self._measures, self._jumping(materials))
+        self.law, self.invariant_limits = self.parts[0].law, invariant_limits(self.parts)
         with self.timer("compile"):
             self._compile(kin)
         self._measure(kin)
 
-    def _number(self, frame: FloatArray | None) -> None:
+    def _jumping(self, materials: Mapping[int, Material]) -> list[int]:
+        """Numbers of the cells that need a pressure of their own: one that is continuous cannot jump between them."""
+        return list(materials) if len(materials) > 1 and self.element.pressure == "continuous" else []
+
+    def _number(self, materials: Mapping[int, Material], frame: FloatArray | None) -> None:
         """The unknowns, and short names for the usual ones."""
         held = np.zeros((0, 0), dtype=bool)
         if self.bodies is not None and self.surfaces.bond is not None:
             held = self.bodies.held_motions(self.domain.axisymmetric)
-        self.unknowns = of = Unknowns(self.domain, self.element, self.surfaces, self.stiff is not None, held, frame)
+        fields: list[list[int] | None] = [[number] for number in self._jumping(materials)]
+        fields = fields or [None if self.stiff is None else list(materials)]
+        self.unknowns = of = Unknowns(self.domain, self.element, self.surfaces, fields, held, frame)
         self.space, self.state, self.index_map = of.space, of.state, of.index_map
         self.u_dofs, self.p_dofs, self.owned, self.extra = of.u_dofs, of.p_dofs, of.owned, of.extra
         self.owned_pressure, self.constrained_owned = of.owned_pressure, of.constrained_owned
@@ -126,9 +150,7 @@ class Problem:
         degree, bodies, bond = self.quadrature_degree, self.bodies, self.surfaces.bond
         kind, loaded = self.surfaces.load
         ds = self.domain.ds(degree=degree)
-        cells = cell_measures(self.domain, degree, self.stiff is not None)
-        kappa = fem.Constant(self.domain.mesh, self.inverse_kappa)
-        solid = build_forms(self.space, self.state, kin, self.law, kappa, self.stiff, cells)
+        solid = build_forms(self.space, self.state, kin, self.parts, self.stiff, self._measures.get(STIFF))
         internal, energy = solid.internal_force, solid.energy
         self.load = Load(kind, ds(loaded), self.unknowns, kin, self.pressure, self.timer)
         tangents = self.load.tangents(solid.tangent)
@@ -140,22 +162,26 @@ class Problem:
             internal, energy = internal + self.bonded.forms.internal_force, energy + self.bonded.forms.energy
             tangents = {key: form + self.bonded.forms.tangent for key, form in tangents.items()}
         self._internal, self._energy = compat.compile_form(internal), compat.compile_form(energy)
-        self.load.compile(closed=bodies is not None and bodies.plate is not None)
+        self.load.compile(closed=bodies is not None and bodies.plate is not None and bodies.plate_closes)
         self.conservative = self.load.conservative
         self._tangent = compat.compile_form(tangents[self.conservative])
-        self.deformation = Deformation(self.unknowns, kin, degree, self.timer)
+        laws = {number: material.law for number, material in self._materials.items()}
+        self.deformation = Deformation(self.unknowns, kin, degree, self.timer, self.parts, laws)
 
     def _measure(self, kin: Kinematics) -> None:
         """What residuals of the volume and volumes are measured by."""
         weight, dx = kin.measure, ufl.dx(domain=self.domain.mesh, degree=self.quadrature_degree)
         self.volume_measure = (weight, dx)
         with self.timer("compile"):
-            form = compat.compile_form(ufl.TestFunctions(self.space)[1] * weight * dx)
+            tests = ufl.TestFunctions(self.space)[1:]
+            of_parts = [tests[part.field] * weight * part.measure for part in self.parts]
+            form = compat.compile_form(sum(of_parts[1:], of_parts[0]) if len(tests) > 1 else tests[0] * weight * dx)
         unit = compat.assemble_array(form, self.index_map)
         self.volume_scale = float(np.sqrt(dot(self.comm, unit, unit)))
-        # the unloaded volume, or the body's where the load encloses none
         body = float(self.comm.allreduce(float(unit.sum()), op=MPI.SUM))
-        self.volume_unit_mm3 = body if self.load.kind in DEAD else abs(self.cavity_volume())
+        self.volume_start_mm3, self.volume_unit_mm3 = 0.0, body
+        if self.load.kind not in DEAD:
+            self.volume_start_mm3, self.volume_unit_mm3 = volume_measure(self.cavity_volume(), self.load.area(kin))
 
     # ---- equations -------------------------------------------------------------------------------------
 

@@ -258,11 +258,22 @@ def make_problem():
     from solvers.problem import Problem
 
     def make(
-        mesh, law, inverse_kappa=0.0, *, regions=None, stiff=None, bodies=None, element=None, frame=None, **surfaces
+        mesh,
+        law,
+        inverse_kappa=0.0,
+        *,
+        regions=None,
+        stiff=None,
+        bodies=None,
+        element=None,
+        frame=None,
+        others=None,
+        **surfaces,
     ):
         cells = np.ones(len(mesh.cells), dtype=np.int64) if regions is None else regions
         domain = create_domain(MPI.COMM_SELF, dataclasses.replace(mesh, regions=cells))
-        return Problem(domain, law, inverse_kappa, Surfaces(**surfaces), stiff, bodies, element, frame=frame)
+        given = {"frame": frame, "others": others}
+        return Problem(domain, law, inverse_kappa, Surfaces(**surfaces), stiff, bodies, element, **given)
 
     return make
 

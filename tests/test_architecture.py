@@ -15,6 +15,7 @@ from dolfinx import fem
 from mpi4py import MPI
 
 from analytical.exact.homogeneous import nominal_stress_mpa
+from analytical.laws.isotropic import hessian_of_i1_law
 from analytical.laws.numerical import EnergyLaw
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from meshes.bodies import lattice_meridian
@@ -41,13 +42,16 @@ def recipe(name: str, **known: Any) -> dict[str, Any]:
 
 
 def test_a_law_is_added(strip, sides, make_problem) -> None:
-    law = recipe("law", ufl=ufl, fem=fem, compile_law=compile_law, CompiledLaw=CompiledLaw)["Gent"](0.05, 30.0)
+    known = {"ufl": ufl, "fem": fem, "compile_law": compile_law, "CompiledLaw": CompiledLaw}
+    law = recipe("law", hessian_of_i1_law=hessian_of_i1_law, **known)["Gent"](0.05, 30.0)
 
     def energy(l1: Any, l2: Any, l3: Any) -> Any:
         return -0.5 * 0.05 * 30.0 * np.log(1.0 - (l1 * l1 + l2 * l2 + l3 * l3 - 3.0) / 30.0)
 
     exact = EnergyLaw(energy)
     assert exact.initial_shear_modulus_mpa == pytest.approx(law.initial_shear_modulus_mpa, rel=1e-9)
+    somewhere = [np.array([value]) for value in (1.8, 0.9, 1.0 / 1.62)]
+    assert law.log_hessian_mpa(*somewhere) == pytest.approx(exact.log_hessian_mpa(*somewhere), rel=1e-6, abs=1e-9)
     mesh = strip(1.0, 2.0, 3.0, 2, 2, quadrilaterals=True)
     problem = make_problem(mesh, law, cavity=sides.cavity)
     stretch = 1.8

@@ -10,8 +10,6 @@ import pytest
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 REPORTS = sorted(DOCS.glob("*/report.md"))
-# Three stacks on one machine, hours: measured before the others, and to be made anew.
-OLDER = ("stacks",)
 CODE = "code that decides the numbers"
 
 
@@ -24,10 +22,9 @@ def fact(report: Path, name: str) -> str:
 
 def test_all_reports_are_of_one_code_and_a_clean_tree() -> None:
     assert len(REPORTS) > 10
-    made = [report for report in REPORTS if report.parent.name not in OLDER]
-    codes = {report.parent.name: fact(report, CODE) for report in made}
+    codes = {report.parent.name: fact(report, CODE) for report in REPORTS}
     assert len(set(codes.values())) == 1, codes
-    dirty = [report.parent.name for report in made if not re.fullmatch("[0-9a-f]{12}", fact(report, "commit"))]
+    dirty = [report.parent.name for report in REPORTS if not re.fullmatch("[0-9a-f]{12}", fact(report, "commit"))]
     assert dirty == []
 
 

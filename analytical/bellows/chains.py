@@ -33,6 +33,7 @@ Units: mm, N, MPa inside; pressures at the interface in kPa, as the names say.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -54,6 +55,7 @@ from analytical.bellows.equations import (
 )
 from analytical.bellows.reading import BALANCED, CORRECTED, PRINTED_READING, Reading
 from analytical.laws.isotropic import Law
+from analytical.laws.stability import stable_stretches
 
 State = Literal["folded", "fully unfolded", "past the model"]
 
@@ -156,7 +158,7 @@ def closed_form(
     dimensions
         One bellows, or many at once.
     law
-        Hyperelastic law of the silicone, stable over the stretches met (`laws.stability.check_stability`).
+        Hyperelastic law of the silicone.
     pressure_kpa
         Cavity pressures, kPa, not negative; a number or a one-dimensional array.
     reading
@@ -170,7 +172,8 @@ def closed_form(
     Raises
     ------
     BellowsError
-        If a pressure is negative or not finite, or the law cannot carry the stress.
+        If a pressure is negative or not finite, the law cannot carry the stress, or is no longer stable on the way
+        to it.
     """
     pressures_kpa = np.atleast_1d(np.asarray(pressure_kpa, dtype=float))
     if pressures_kpa.ndim != 1 or not np.all(np.isfinite(pressures_kpa)) or np.any(pressures_kpa < 0.0):
@@ -191,6 +194,7 @@ def closed_form(
         drop = np.where(unfolded, 0.0, np.maximum(drop, 0.0))
     thrust_area, wall_area = sizes.cut(reading, root_stretch)
     wall_stretch = wall_stretch_at(law, reading, pressure * thrust_area / wall_area, drop / sizes.side)
+    _refuse_softened(law, sizes, reading, root_stretch, wall_stretch)
     return ClosedFormPath(
         dimensions=dimensions,
         law=law,
@@ -201,6 +205,25 @@ def closed_form(
         drop_mm=drop,
         unfolding_pressure_kpa=1e3 * at_crest,
     )
+
+
+def _refuse_softened(
+    law: Law, sizes: Sizes, reading: Reading, root_stretch: FloatArray, wall_stretch: FloatArray
+) -> None:
+    """Refuse stretches, all of pure shear, at which the law is not stable, and roots beyond a pressure that falls."""
+    limit = stable_stretches(law)["pure shear"]
+    if math.isinf(limit):
+        return
+    inner = sizes.inner_stretch(root_stretch, reading)
+    difference = root_difference(law, reading)
+    shares = np.linspace(0.0, 1.0, 41)[1:]
+    on_the_way = [root_pressure(sizes, difference, reading, share * (root_stretch**2 - 1.0)) for share in shares]
+    largest = float(max(np.max(inner), np.max(wall_stretch)))
+    if largest > limit or np.any(np.diff(on_the_way, axis=0) < 0.0):
+        raise BellowsError(
+            f"{law} is no longer stable in pure shear at stretch {limit:.3g}, root or side wall would be stretched "
+            f"{largest:.3g}-fold or the root gives way before: lower the pressure"
+        )
 
 
 def closed_form_printed(

@@ -118,6 +118,35 @@ def inner_radius_at_pressure_mm(sphere: Sphere, law: IsotropicLaw, pressure_mpa:
     )
 
 
+def inner_radius_beyond_limit_mm(sphere: Sphere, law: IsotropicLaw, pressure_mpa: float) -> float:
+    """Deformed inner radius a at a pressure above the limit point's, mm: to which a sphere under pressure snaps.
+
+    The first one beyond the limit point at which the pressure has risen to `pressure_mpa` again.
+
+    Raises
+    ------
+    SphereError
+        If there is no limit point, the pressure is not above its, or no inner stretch up to 50 carries it.
+    """
+    limit = limit_point(sphere, law)
+    if limit is None or not limit.pressure_mpa < pressure_mpa < math.inf:
+        where = "there is none" if limit is None else f"it is {limit.pressure_mpa:g} MPa"
+        raise SphereError(
+            f"pressure {pressure_mpa:g} MPa is not above a limit point of {law} in this sphere ({where}): ask for the "
+            "state that begins at rest"
+        )
+    stretches = np.geomspace(limit.inner_mm / sphere.inner_radius_mm, STRETCH_RANGE[1], _SEARCH_STEPS)
+    pressures = [pressure_at_inner_radius_mpa(sphere, law, at * sphere.inner_radius_mm) for at in stretches[1:]]
+    above = np.flatnonzero(np.array(pressures) >= pressure_mpa)
+    if not above.size:
+        raise SphereError(
+            f"pressure {pressure_mpa:g} MPa: beyond its limit point {law} does not carry it in this sphere either, "
+            f"up to an inner stretch of {STRETCH_RANGE[1]:g}: ask for less than {limit.pressure_mpa:g} MPa"
+        )
+    near, far = stretches[above[0]] * sphere.inner_radius_mm, stretches[above[0] + 1] * sphere.inner_radius_mm
+    return root(lambda a: pressure_at_inner_radius_mpa(sphere, law, a) - pressure_mpa, near, far, 1e-14 * far)
+
+
 def limit_point(sphere: Sphere, law: IsotropicLaw) -> LimitPoint | None:
     """First maximum of the pressure on inflation, or None if there is none up to an inner stretch of 50."""
     stretches = np.geomspace(_SEARCH_START, STRETCH_RANGE[1], _SEARCH_STEPS)

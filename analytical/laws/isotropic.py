@@ -78,7 +78,7 @@ class NeoHooke:
 
     def log_hessian_mpa(self, l1: ArrayLike, l2: ArrayLike, l3: ArrayLike) -> FloatArray:
         """Second derivatives of W with respect to the log stretches, MPa, shape (..., 3, 3)."""
-        return _hessian_of_i1_law((l1, l2, l3), 0.5 * self.mu_mpa, 0.0)
+        return hessian_of_i1_law((l1, l2, l3), 0.5 * self.mu_mpa, 0.0)
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ class Yeoh:
             (i * (i - 1) * c * x ** (i - 2) for i, c in enumerate(self.c_mpa, start=1) if i > 1),
             start=np.zeros_like(x),
         )
-        return _hessian_of_i1_law((l1, l2, l3), self._w1(x), w11)
+        return hessian_of_i1_law((l1, l2, l3), self._w1(x), w11)
 
     def _w1(self, x: FloatArray) -> FloatArray:
         """dW/dI1 at x = I1 - 3, MPa (eq. (8))."""
@@ -249,7 +249,7 @@ class Guccione:
 Law = NeoHooke | Yeoh | Ogden | Guccione
 
 
-def _hessian_of_i1_law(
+def hessian_of_i1_law(
     stretches: tuple[ArrayLike, ArrayLike, ArrayLike], w1_mpa: ArrayLike, w11_mpa: ArrayLike
 ) -> FloatArray:
     """Log-stretch Hessian of W(I1), 4 W1 la^2 delta_ab + 4 W11 la^2 lb^2, shape (..., 3, 3), MPa."""

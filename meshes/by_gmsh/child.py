@@ -9,7 +9,7 @@ from pathlib import Path
 
 from meshes.errors import MeshError
 
-# A ring's section takes well under a second, a user's large mesh a minute; this long means that gmsh hangs.
+# A ring's section takes well under a second, a solid with many curves a minute; this long means that gmsh hangs.
 TIME_LIMIT_S = 300.0
 _ROOT = Path(__file__).resolve().parents[2]
 
@@ -22,7 +22,7 @@ def environment() -> dict[str, str]:
     return {name: value for name, value in os.environ.items() if not name.startswith(_OF_A_RANK)}
 
 
-def run_gmsh(module: str, failed: str, *arguments: str, text: str | None = None) -> str:
+def run_gmsh(module: str, failed: str, *arguments: str, text: str | None = None, seconds: float = TIME_LIMIT_S) -> str:
     """What a module prints that is run with gmsh in a child, which gmsh may abort.
 
     Parameters
@@ -31,6 +31,8 @@ def run_gmsh(module: str, failed: str, *arguments: str, text: str | None = None)
         What is run, its arguments and its standard input.
     failed
         Begins the error, for instance ``gmsh cannot read it``.
+    seconds
+        Longer means that gmsh hangs.
 
     Raises
     ------
@@ -44,13 +46,13 @@ def run_gmsh(module: str, failed: str, *arguments: str, text: str | None = None)
             input=text,
             capture_output=True,
             text=True,
-            timeout=TIME_LIMIT_S,
+            timeout=seconds,
             env=environment(),
             cwd=_ROOT,
             check=False,
         )
     except subprocess.TimeoutExpired:
-        raise MeshError(f"{failed} within {TIME_LIMIT_S:g} s") from None
+        raise MeshError(f"{failed} within {seconds:g} s") from None
     if done.returncode != 0:
         lines = (done.stderr or done.stdout).split("\n")
         said = next((line.strip() for line in reversed(lines) if line.strip()), "silence").removeprefix("Exception: ")

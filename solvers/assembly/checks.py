@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
+from analytical.laws.isotropic import IsotropicLaw
+from analytical.laws.stability import is_stable, principal_stretches, stable_stretches
 from solvers import compat
-from solvers.assembly.surfaces import SOFT
 from solvers.assembly.unknowns import Unknowns
 from solvers.discrete.domain import Domain, FloatArray
 from solvers.discrete.elements import QUADRATURE_DEGREE
 from solvers.discrete.kinematics import Kinematics
 from solvers.energy.forms import invariants
+from solvers.energy.materials import Part, limited_cells
 from solvers.errors import SolverError
 from solvers.state import Timer
 
@@ -55,43 +59,89 @@ class Deformation:
         Of the quadrature.
     timer
         Takes the seconds.
+    parts
+        Soft materials of the cells.
+    laws
+        Their laws by the cells' numbers.
     """
 
-    def __init__(self, unknowns: Unknowns, kin: Kinematics, degree: int, timer: Timer) -> None:
+    def __init__(
+        self,
+        unknowns: Unknowns,
+        kin: Kinematics,
+        degree: int,
+        timer: Timer,
+        parts: Sequence[Part],
+        laws: Mapping[int, IsotropicLaw],
+    ) -> None:
         self._domain, self._timer = unknowns.domain, timer
         k = invariants(kin.gradient(ufl.split(unknowns.state)[0]))
         self._points = compat.quadrature_points(unknowns.domain.cell_name, degree)
         self._values = compat.compile_expression(ufl.as_vector([k.j, k.i1, k.i2]), self._points)
         topology = unknowns.domain.mesh.topology
         self._cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
+        numbers = unknowns.domain.cell_tags.values[: len(self._cells)]
+        # all cells, where no law has a limit or all have
+        self._limited = limited_cells(parts, numbers) if 1 < len(parts) else np.ones(len(numbers), dtype=bool)
+        self._soft = np.repeat(np.isin(numbers, list(laws)), len(self._points))
+        self._softening = [
+            (law, np.repeat(numbers == number, len(self._points)))
+            for number, law in laws.items()
+            if any(np.isfinite(limit) for limit in stable_stretches(law).values())
+        ]
 
     def _now(self) -> FloatArray:
         """Det F and isochoric I1 and I2 at this rank's quadrature points, shape (points, 3)."""
         return compat.evaluate(self._values, self._domain.mesh, self._cells).reshape(-1, 3)
 
     def extremes(self) -> tuple[float, float, float]:
-        """Smallest det F and largest isochoric I1 and I2 over all quadrature points (NaN-safe)."""
+        """Smallest det F, and largest isochoric I1 and I2 where a law has a limit, at quadrature points (NaN-safe)."""
         with self._timer("checks"):
             values, comm = self._now(), self._domain.comm
             j, i1, i2 = np.inf, 0.0, 0.0
             if len(values):
                 j = float(np.min(values[:, 0])) if np.isfinite(values).all() else -np.inf
-                i1, i2 = float(np.max(values[:, 1])), float(np.max(values[:, 2]))
+                of_cells = values.reshape(len(self._cells), -1, 3)[self._limited]
+                i1, i2 = (float(of_cells[..., k].max(initial=0.0)) for k in (1, 2))
             return comm.allreduce(j, op=MPI.MIN), comm.allreduce(i1, op=MPI.MAX), comm.allreduce(i2, op=MPI.MAX)
+
+    def largest_stretch(self) -> float:
+        """Largest principal stretch of soft cells; at a re-entrant corner it grows as the mesh is refined."""
+        with self._timer("checks"):
+            values = self._now()[self._soft]
+            isochoric, _, _ = principal_stretches(values[:, 1], values[:, 2])
+            largest = float((np.cbrt(values[:, 0]) * isochoric).max(initial=0.0))
+            return self._domain.comm.allreduce(largest, op=MPI.MAX)
+
+    def softened(self) -> str:
+        """The least stretch at which the law of soft cells is no longer stable, and where; empty if nowhere."""
+        if not self._softening:
+            return ""
+        with self._timer("checks"):
+            values, stretch = self._now(), np.full(len(self._soft), np.inf)
+            for law, points in self._softening:
+                isochoric = principal_stretches(values[points, 1], values[points, 2])
+                largest = np.cbrt(values[points, 0]) * isochoric[0]
+                stretch[points] = np.where(is_stable(law, *isochoric), np.inf, largest)
+            least, place = self._least(stretch)
+            return "" if least == np.inf else f"stretch {least:.4g} at {place}"
 
     def worst_cell(self) -> str:
         """The smallest det F, and where its quadrature point is in the unloaded body."""
+        values = self._now()[:, 0]
+        det_f, place = self._least(np.where(np.isfinite(values), values, -np.inf))
+        return f"det F = {det_f:.3g} at {place}"
+
+    def _least(self, values: FloatArray) -> tuple[float, str]:
+        """The least of a value per quadrature point of all ranks, and where its point is in the unloaded body."""
         domain = self._domain
         here = compat.compile_expression(ufl.SpatialCoordinate(domain.mesh), self._points)
-        values = self._now()[:, 0]
-        values = np.where(np.isfinite(values), values, -np.inf)
         found = []
         if len(values):
-            worst, tags = int(np.argmin(values)), domain.cell_tags
-            region = int(tags.values[tags.indices == worst // len(self._points)][0])
+            least = int(np.argmin(values))
             places = compat.evaluate(here, domain.mesh, self._cells).reshape(-1, domain.mesh.geometry.dim)
-            found = [(float(values[worst]), places[worst], region)]
-        det_f, at, region = min((f for part in domain.comm.allgather(found) for f in part), key=lambda f: f[0])
+            found = [(float(values[least]), places[least], bool(self._soft[least]))]
+        value, at, soft = min((f for part in domain.comm.allgather(found) for f in part), key=lambda f: f[0])
         names = ("r", "z") if domain.axisymmetric else ("x", "y", "z")
         place = ", ".join(f"{name} = {value:.2f}" for name, value in zip(names, at, strict=True))
-        return f"det F = {det_f:.3g} at {place} mm, {'soft' if region == SOFT else 'stiff'} region"
+        return value, f"{place} mm, {'soft' if soft else 'stiff'} region"

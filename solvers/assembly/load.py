@@ -44,7 +44,7 @@ class Load:
     ) -> None:
         self.kind, self.factor = kind, factor
         self._unknowns, self._timer = unknowns, timer
-        self._forms = load_forms(kind, unknowns.space, unknowns.state, kin, measure)
+        self._forms, self._measure = load_forms(kind, unknowns.space, unknowns.state, kin, measure), measure
 
     def tangents(self, internal: Any) -> dict[bool, Any]:
         """UFL tangents of internal force and load, for a load that is conservative or not."""
@@ -67,6 +67,13 @@ class Load:
         self._gradient = compat.compile_form(self._forms.volume_gradient)
         self._traction = compat.compile_form(self._forms.traction)
         self.conservative = closed or self._difference() <= SAME_LOAD
+
+    def area(self, kin: Kinematics) -> float:
+        """Unloaded area of the loaded surface, mm^2."""
+        with self._timer("compile"):
+            one = fem.Constant(self._unknowns.domain.mesh, 1.0)
+            form = compat.compile_form(one * kin.measure * self._measure)
+        return compat.assemble_scalar(form, self._unknowns.comm)
 
     @property
     def sense(self) -> float:

@@ -1,7 +1,8 @@
-"""What is held: Dirichlet conditions of surfaces and nodes, and pressures that no soft cell needs."""
+"""What is held: Dirichlet conditions of surfaces and nodes, and pressures that no cell needs."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from solvers import compat
-from solvers.assembly.surfaces import SOFT, Surfaces
+from solvers.assembly.surfaces import Surfaces
 from solvers.discrete.domain import Domain, IntArray
 
 
@@ -35,8 +36,10 @@ class Supports:
     blocked_axial: IntArray | None
 
 
-def find_supports(domain: Domain, space: Any, u_dofs: IntArray, surfaces: Surfaces, has_stiff: bool) -> Supports:
-    """Constraints of a mixed space (u, p) on a domain.
+def find_supports(
+    domain: Domain, space: Any, u_dofs: IntArray, surfaces: Surfaces, fields: Sequence[Sequence[int] | None]
+) -> Supports:
+    """Constraints of a mixed space of u and one pressure or more on a domain.
 
     Parameters
     ----------
@@ -46,8 +49,8 @@ def find_supports(domain: Domain, space: Any, u_dofs: IntArray, surfaces: Surfac
         Displacement dofs of each local geometry node, shape (n, d).
     surfaces
         What is clamped, held, blocked and pinned.
-    has_stiff
-        True if there are stiff cells, which have no pressure unknowns.
+    fields
+        Numbers of the cells that need each pressure: elsewhere it is held; None for all cells.
     """
     dimension = u_dofs.shape[1]
     conditions = list(surfaces.held)
@@ -56,8 +59,9 @@ def find_supports(domain: Domain, space: Any, u_dofs: IntArray, surfaces: Surfac
     if surfaces.blocked is not None:
         conditions.append((surfaces.blocked, dimension - 1))
     fixed = [(space.sub(0).sub(i), dofs_on(domain, space, number, i)) for number, i in conditions]
-    if has_stiff:
-        fixed.append((space.sub(1), idle_pressures(domain, space)))
+    for place, numbers in enumerate(fields, 1):
+        if numbers is not None:
+            fixed.append((space.sub(place), idle_pressures(domain, space, place, numbers)))
     for node, component in surfaces.pinned:
         dofs = u_dofs[domain.input_node == node, component]
         fixed.append((space.sub(0).sub(component), dofs[dofs >= 0]))
@@ -89,15 +93,18 @@ def dofs_of_facets(domain: Domain, space: Any, facets: NDArray[np.int32], compon
     return fem.locate_dofs_topological(part, domain.mesh.topology.dim - 1, facets).astype(np.int64)
 
 
-def idle_pressures(domain: Domain, space: Any) -> IntArray:
-    """Local pressure dofs at which no rank has a soft cell, ascending."""
-    cells, tags = compat.cell_dofs(space.sub(1)), domain.cell_tags
-    is_soft = np.zeros(len(cells), dtype=bool)
-    owned_soft = tags.indices[tags.values == SOFT]
-    is_soft[owned_soft[owned_soft < len(cells)]] = True
-    # a dof is soft if any rank has a soft cell at it: sum on the owner, then back to the ghosts
+def idle_pressures(domain: Domain, space: Any, place: int, numbers: Sequence[int]) -> IntArray:
+    """Local dofs of a mixed space's pressure, its part of that place, at which no rank has a cell of these numbers.
+
+    Ascending.
+    """
+    cells, tags = compat.cell_dofs(space.sub(place)), domain.cell_tags
+    needs_it = np.zeros(len(cells), dtype=bool)
+    owned = tags.indices[np.isin(tags.values, numbers)]
+    needs_it[owned[owned < len(cells)]] = True
+    # a dof is needed if any rank has such a cell at it: sum on the owner, then back to the ghosts
     touched = fem.Function(space)
-    touched.x.array[cells[is_soft].ravel()] = 1.0
+    touched.x.array[cells[needs_it].ravel()] = 1.0
     compat.sum_on_owners(touched.x)
     touched.x.scatter_forward()
     pressures = np.unique(cells).astype(np.int64)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +12,8 @@ from solvers.discrete.domain import Domain
 from solvers.energy.loads import LoadKind
 from solvers.errors import SolverError
 
-SOFT, STIFF = 1, 2  # material numbers of cells
+# Material numbers of cells; those of further soft materials are greater.
+SOFT, STIFF = 1, 2
 
 
 @dataclass(frozen=True)
@@ -74,9 +76,9 @@ class Surfaces:
         return given[0]
 
 
-def cell_measures(domain: Domain, degree: int, has_stiff: bool) -> dict[str, Any]:
-    """Measures of the ``soft`` cells, all if there are no others, and of the ``stiff`` ones, of a quadrature degree."""
-    if not has_stiff:
-        return {"soft": ufl.dx(domain=domain.mesh, degree=degree)}
+def cell_measures(domain: Domain, degree: int, numbers: Collection[int]) -> dict[int, Any]:
+    """Measures of the cells of each material number, of all where there is one, of a quadrature degree."""
+    if len(numbers) == 1:
+        return {number: ufl.dx(domain=domain.mesh, degree=degree) for number in numbers}
     dx = domain.dx(degree=degree)
-    return {"soft": dx(SOFT), "stiff": dx(STIFF)}
+    return {number: dx(number) for number in numbers}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -26,8 +27,8 @@ class Unknowns:
     ----------
     domain, element
         The mesh and its displacement and pressure spaces.
-    surfaces, has_stiff
-        What is held, see `solvers.assembly.supports.find_supports`.
+    surfaces, fields
+        What is held, see `solvers.assembly.supports.find_supports`; a pressure for each of the fields.
     held_motions
         Which motions of the bodies are held, shape (bodies, motions).
     frame
@@ -36,14 +37,14 @@ class Unknowns:
     Attributes
     ----------
     state
-        Function (u, p) in ``space``.
+        Function (u, p) in ``space``, or (u, p, p, ...) where pressures jump between materials.
     owned, local
         Numbers of this rank's dofs, and of those with the ghosts.
     u_dofs
         Local displacement dofs of each local geometry node, shape (n, d), -1 where it has none.
     p_dofs
         Local pressure dofs. A continuous pressure belongs to corner nodes, shape (n,), -1 elsewhere; one with jumps
-        to cells, shape (owned cells, k).
+        or between materials to cells, shape (owned cells, k).
     owned_pressure, constrained_owned
         Which owned dofs are pressures, and which are held, shape (owned,).
     bodies_mm
@@ -59,21 +60,21 @@ class Unknowns:
         domain: Domain,
         element: Element,
         surfaces: Surfaces,
-        has_stiff: bool,
+        fields: Sequence[Sequence[int] | None],
         held_motions: NDArray[np.bool_],
         frame: FloatArray | None = None,
     ) -> None:
         mesh = domain.mesh
         self.domain, self.comm, self.element = domain, domain.comm, element
         self.dimension: int = mesh.geometry.dim
-        self.space = compat.function_space(mesh, element.spaces(mesh.ufl_cell()))
+        self.space = compat.function_space(mesh, element.spaces(mesh.ufl_cell(), len(fields)))
         self.state = fem.Function(self.space)
         self.index_map = self.space.dofmap.index_map
         self.owned: int = self.index_map.size_local
         self.local: int = self.owned + self.index_map.num_ghosts
         self.u_dofs = displacement_dofs(domain, self.space, self.dimension)
-        self._number_pressures()
-        self.supports = find_supports(domain, self.space, self.u_dofs, surfaces, has_stiff)
+        self._number_pressures(fields)
+        self.supports = find_supports(domain, self.space, self.u_dofs, surfaces, fields)
         self.constrained_owned = self.supports.is_constrained[: self.owned]
         free = int((self.owned_pressure & ~self.constrained_owned).sum())
         self.expected_negatives: int = self.comm.allreduce(free, op=MPI.SUM)
@@ -84,20 +85,24 @@ class Unknowns:
         linear = compat.element("Lagrange", mesh.ufl_cell(), 1)
         self._linear_at_nodes = compat.basis_at(linear, compat.node_positions(domain.cell_name))
 
-    def _number_pressures(self) -> None:
+    def _number_pressures(self, fields: Sequence[Sequence[int] | None]) -> None:
         """Pressure dofs, and for those of cells their basis functions at the corners, shape (corners, k)."""
-        domain, on_cells = self.domain, compat.cell_dofs(self.space.sub(1))
-        if self.element.pressure == "continuous":
+        domain = self.domain
+        on_cells = np.stack([compat.cell_dofs(self.space.sub(1 + k)) for k in range(len(fields))])
+        self._at_nodes = self.element.pressure == "continuous" and len(fields) == 1
+        if self._at_nodes:
             self.p_dofs = np.full(len(domain.input_node), -1, dtype=np.int64)
-            self.p_dofs[compat.geometry_dofs(domain.mesh)[:, : domain.corners]] = on_cells
+            self.p_dofs[compat.geometry_dofs(domain.mesh)[:, : domain.corners]] = on_cells[0]
             self.pressure_shape: tuple[int, ...] = (domain.nodes,)
         else:
-            self.p_dofs = on_cells.astype(np.int64)
+            numbers = domain.cell_tags.values[: on_cells.shape[1]]
+            mine = [0 if cells is None else k * np.isin(numbers, cells) for k, cells in enumerate(fields)]
+            self.p_dofs = on_cells[sum(mine), np.arange(len(numbers))].astype(np.int64)
             scalar = compat.sub_elements(self.space.ufl_element())[1]
             self._p_at_corners = compat.basis_at(scalar, compat.corner_positions(domain.cell_name))
             self.pressure_shape = (domain.cells, domain.corners)
         self.owned_pressure = np.zeros(self.owned, dtype=bool)
-        self.owned_pressure[self.p_dofs[(self.p_dofs >= 0) & (self.p_dofs < self.owned)]] = True
+        self.owned_pressure[on_cells[on_cells < self.owned]] = True
 
     # ---- states ----------------------------------------------------------------------------------------
 
@@ -116,18 +121,30 @@ class Unknowns:
             array[self.u_dofs[known, i]] = components[:, i]
         if state.pressure_mpa.shape != self.pressure_shape:
             raise SolverError(f"state has pressures of shape {state.pressure_mpa.shape}, need {self.pressure_shape}")
-        if self.element.pressure == "continuous":
+        if self._at_nodes:
             corner = self.p_dofs >= 0
             array[self.p_dofs[corner]] = state.pressure_mpa[domain.input_node[corner]]
         else:
             # the closest polynomial to the corner values: exact for those of a state of this problem
             mine = state.pressure_mpa[domain.input_cell[: len(self.p_dofs)]]
-            array[self.p_dofs] = mine @ np.linalg.pinv(self._p_at_corners).T
+            self._set_of_cells(mine @ np.linalg.pinv(self._p_at_corners).T)
         array[: self.local][self.supports.is_constrained] = 0.0
         self.state.x.scatter_forward()
         if state.bodies_mm.shape != self.bodies_mm.shape:
             raise SolverError(f"state has bodies of shape {state.bodies_mm.shape}, need {self.bodies_mm.shape}")
         self.bodies_mm[:] = state.bodies_mm
+
+    def _set_of_cells(self, values: FloatArray) -> None:
+        """Set the pressures of the owned cells, shape (owned cells, k); what cells share is their mean.
+
+        The owner of a dof need not have a cell of its material: sums go to it.
+        """
+        sums, counts = fem.Function(self.space), fem.Function(self.space)
+        for function, at_cells in ((sums, values), (counts, np.ones_like(values))):
+            np.add.at(function.x.array, self.p_dofs, at_cells)
+            compat.sum_on_owners(function.x)
+        owned = np.flatnonzero(counts.x.array[: self.owned])
+        self.state.x.array[owned] = sums.x.array[owned] / counts.x.array[owned]
 
     def get(self, load_mpa: float) -> State:
         """The current values under a load factor in the caller's numbering, complete on every rank."""
@@ -139,7 +156,7 @@ class Unknowns:
             geometry = compat.geometry_dofs(domain.mesh)
             u[geometry] = np.einsum("nk,cki->cni", self._linear_at_nodes, u[geometry[:, : domain.corners]])
             known = np.isin(np.arange(len(known)), geometry)
-        if self.element.pressure == "continuous":
+        if self._at_nodes:
             at = np.flatnonzero(self.p_dofs >= 0)
             where, p = domain.input_node[at], array[self.p_dofs[at]]
         else:

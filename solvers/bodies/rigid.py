@@ -35,6 +35,10 @@ class RigidBodies:
         True if the plate keeps the motion its state has: that of the unloaded state, nothing, on a path.
     plate_force_n
         Dead axial force on a plate that is not held, in the direction of the axis.
+    plate_closes
+        False for a plate on which the cavity does not end: then it closes nothing.
+    held
+        Motions of each body that symmetry holds, shape (bodies, motions); None for none.
     """
 
     normal_mpa_per_mm: float
@@ -47,10 +51,14 @@ class RigidBodies:
     plate_area_mm2: float = 0.0
     plate_held: bool = False
     plate_force_n: float = 0.0
+    plate_closes: bool = True
+    held: NDArray[np.bool_] | None = None
 
     def held_motions(self, axisymmetric: bool) -> NDArray[np.bool_]:
         """Which motions are held, shape (bodies, motions): one axial motion on a meridian and in a sector, else six."""
         held = np.zeros((len(self.centres_mm), 1 if axisymmetric or self.axial_only else 6), dtype=bool)
+        if self.held is not None:
+            held |= self.held
         if self.plate is not None and self.plate_held:
             held[self.plate] = True
         return held

@@ -32,8 +32,8 @@ class Element:
     displacement_degree: int
     pressure: Literal["continuous", "linear", "constant"]
 
-    def spaces(self, cell: Any) -> Any:
-        """The mixed UFL element on a UFL cell.
+    def spaces(self, cell: Any, fields: int = 1) -> Any:
+        """The mixed UFL element on a UFL cell, with so many pressures.
 
         Raises
         ------
@@ -54,7 +54,7 @@ class Element:
             "constant": ("DG", 0),
         }[self.pressure]
         displacement = compat.element("Lagrange", cell, self.displacement_degree, (compat.dimension(cell),))
-        return compat.mixed_element([displacement, compat.element(family, cell, degree)])
+        return compat.mixed_element([displacement, *[compat.element(family, cell, degree)] * fields])
 
 
 P2_P1 = Element("P2/P1", 2, "continuous")

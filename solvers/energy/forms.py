@@ -5,11 +5,13 @@ Potential (docs/decisions.md says why this form):
     Pi(u, p) = int [ W(I1, I2) + p (J - 1) - p^2 / (2 kappa) ] dX  +  int_stiff psi dX
              -  P g(u)          (see solvers.energy.loads)   (+ the bond energy, see solvers.bodies.bond)
 
-with isochoric invariants I1, I2. ``1/kappa = 0`` is allowed.
+with isochoric invariants I1, I2. ``1/kappa = 0`` is allowed. In a body of several materials W and kappa are a part's
+own, and p, the mean stress, jumps between parts.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +20,7 @@ import ufl
 from analytical.laws.stiff import StiffSolid
 from solvers.discrete.kinematics import Kinematics, cofactor
 from solvers.energy.laws import CompiledLaw
+from solvers.energy.materials import Part
 
 
 @dataclass(frozen=True)
@@ -97,41 +100,52 @@ class Forms:
 
 
 def build_forms(
-    space: Any,
-    state: Any,
-    kin: Kinematics,
-    law: CompiledLaw,
-    inverse_kappa: Any,
-    stiff: StiffSolid | None,
-    measures: dict[str, Any],
+    space: Any, state: Any, kin: Kinematics, parts: Sequence[Part], stiff: StiffSolid | None, stiff_measure: Any
 ) -> Forms:
     """Forms of the potential in this module's heading, without the load and the bodies.
 
     Parameters
     ----------
     space, state
-        Mixed space and the state (u, p) in it.
-    kin, law
-        Kinematics of the mesh and the soft material.
-    inverse_kappa
-        UFL constant 1/kappa, 1/MPa.
-    stiff
-        Compressible solid on the measure ``stiff``: neo-Hooke ``mu/2 (I1 - 3 - 2 ln J) + lambda/2 (J - 1)^2``.
-    measures
-        ``soft`` and ``stiff``.
+        Mixed space of u and one pressure or more, and the state in it.
+    kin, parts
+        Kinematics of the mesh and its soft materials.
+    stiff, stiff_measure
+        Compressible solid on this measure: neo-Hooke ``mu/2 (I1 - 3 - 2 ln J) + lambda/2 (J - 1)^2``.
 
     Returns
     -------
     Forms
     """
-    u, p = ufl.split(state)
-    v, q = ufl.TestFunctions(space)
-    du, dp = ufl.TrialFunctions(space)
-    dx = measures["soft"]
+    u, *pressures = ufl.split(state)
+    v, *tests = ufl.TestFunctions(space)
+    du, *trials = ufl.TrialFunctions(space)
     k = invariants(kin.gradient(u))
     grad_v, grad_du = kin.gradient(v), kin.gradient(du)
     m = kin.measure
 
+    forms = [
+        _of_part(part, k, (pressures[part.field], tests[part.field], trials[part.field]), grad_v, grad_du, m)
+        for part in parts
+    ]
+    internal, tangent, energy = (sum(terms[1:], terms[0]) for terms in zip(*forms, strict=True))
+
+    if stiff is not None:
+        mu, lam = stiff.mu_mpa, stiff.lame_lambda_mpa
+        stored = (0.5 * mu * (k.i1_full - 3.0 - 2.0 * ufl.ln(k.j)) + 0.5 * lam * (k.j - 1.0) ** 2) * m
+        dxs = stiff_measure
+        stress = mu * (k.f - k.f_inv_t) + lam * (k.j - 1.0) * k.cof
+        internal += ufl.inner(stress, grad_v) * m * dxs
+        tangent += ufl.inner(stiff_stress_increment(k, stiff, grad_du), grad_v) * m * dxs
+        energy += stored * dxs
+    return Forms(internal, tangent, energy)
+
+
+def _of_part(
+    part: Part, k: Invariants, pressure: tuple[Any, Any, Any], grad_v: Any, grad_du: Any, m: Any
+) -> tuple[Any, Any, Any]:
+    """Internal force, tangent and energy of a part; ``pressure`` is p with its test and trial functions."""
+    (p, q, dp), law, inverse_kappa, dx = pressure, part.law, part.inverse_kappa, part.measure
     internal = (ufl.inner(soft_stress(k, p, law), grad_v) + q * (k.j - 1.0 - inverse_kappa * p)) * m * dx
     tangent = (
         (
@@ -143,17 +157,7 @@ def build_forms(
     )
     w = law.derivatives(k.i1, k.i2)[0, 0]
     # p (J - 1) - p^2/(2 kappa) at stationary p is the volumetric energy; zero when incompressible.
-    energy = (w + 0.5 * inverse_kappa * p * p) * m * dx
-
-    if stiff is not None:
-        mu, lam = stiff.mu_mpa, stiff.lame_lambda_mpa
-        stored = (0.5 * mu * (k.i1_full - 3.0 - 2.0 * ufl.ln(k.j)) + 0.5 * lam * (k.j - 1.0) ** 2) * m
-        dxs = measures["stiff"]
-        stress = mu * (k.f - k.f_inv_t) + lam * (k.j - 1.0) * k.cof
-        internal += ufl.inner(stress, grad_v) * m * dxs
-        tangent += ufl.inner(stiff_stress_increment(k, stiff, grad_du), grad_v) * m * dxs
-        energy += stored * dxs
-    return Forms(internal, tangent, energy)
+    return internal, tangent, (w + 0.5 * inverse_kappa * p * p) * m * dx
 
 
 def stiff_stress_increment(k: Invariants, stiff: StiffSolid, h: Any) -> Any:

@@ -108,7 +108,8 @@ def _(law: Ogden, mesh: Any) -> CompiledLaw:
         return {k: prefactor * ((v - 3.0) if k == (0, 0) else v) for k, v in d.items()}
 
     low, high = FIT_RANGE
-    # I1 >= each x_i and I2 >= each 1/x_i, so these limits keep all x_i in the fit's range.
+    # I1 >= each x_i and I2 >= each 1/x_i, so these limits keep all x_i in the fit's range, which is one of x_i also
+    # where it is 1/x_i that is raised to a power (alpha < 0).
     return CompiledLaw(derivatives, True, (high, 1.0 / low))
 
 

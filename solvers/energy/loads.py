@@ -67,7 +67,7 @@ def load_forms(kind: LoadKind, space: Any, state: Any, kin: Kinematics, measure:
     -------
     LoadForms
     """
-    u, _ = ufl.split(state)
+    u = ufl.split(state)[0]
     v = kin.three(ufl.TestFunctions(space)[0])
     if kind in DEAD:
         along = ufl.as_vector([0.0, 1.0, 0.0]) if kind == "dead_shear" else kin.normal

@@ -90,7 +90,7 @@ class HeldVolume:
     def error(self, problem: Problem) -> float:
         """Missing volume by the volume."""
         missing = abs(self.volume_mm3 - problem.cavity_volume())
-        return missing / max(abs(self.volume_mm3), problem.volume_unit_mm3)
+        return missing / max(abs(self.volume_mm3 - problem.volume_start_mm3), problem.volume_unit_mm3)
 
     def load_change(self, problem: Problem, gradient: Joint, step: Joint, toward: Joint) -> float:
         """See this module's heading."""

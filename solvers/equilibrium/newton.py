@@ -28,6 +28,9 @@ class NewtonSettings:
         A residual below the first also counts as zero when the last increment was below the second times the
         displacement: the internal forces of a stiff ring cancel only to round-off, to 2e-6 of the load where it is a
         million times as stiff as the wall.
+    round_off
+        A residual below this that an iteration with a fresh factor does not halve is that of round-off: a soft bellows
+        under a small dead force moves by more than ``still`` in every iteration.
     max_iterations
         Newton iterations before the step is given up.
     reuse_below
@@ -43,6 +46,7 @@ class NewtonSettings:
     relative_tolerance: float = 1e-8
     stalled_tolerance: float = 1e-4
     still: float = 1e-10
+    round_off: float = 1e-7
     max_iterations: int = 14
     reuse_below: float = 0.1
     max_cuts: int = 6
@@ -60,8 +64,8 @@ class NewtonReport:
         Newton iterations, and factorisations made (one of them for the stability count).
     residual
         Final relative residual.
-    min_det_f
-        Smallest det F at quadrature points.
+    min_det_f, largest_stretch
+        Smallest det F and largest principal stretch (of the elastomer) at quadrature points.
     excess_negatives
         Negative eigenvalues of the tangent at the converged state beyond the expected; None if the load is not
         conservative.
@@ -73,6 +77,7 @@ class NewtonReport:
     factorisations: int
     residual: float
     min_det_f: float
+    largest_stretch: float
     excess_negatives: int | None
     compliance_mm3_per_mpa: float
 
@@ -120,6 +125,7 @@ def solve_equilibrium(
     before = factor.count
     control.begin(problem)
     error = moved = np.inf
+    fresh = False
     here = _residual(problem, control)
     for iteration in range(settings.max_iterations + 1):
         new_error = here.error
@@ -128,17 +134,18 @@ def solve_equilibrium(
         if on_iteration is not None:
             on_iteration(iteration, new_error)
         stalled = new_error <= settings.stalled_tolerance and moved <= settings.still
+        stalled |= fresh and 0.5 * error < new_error <= settings.round_off
         if new_error <= settings.relative_tolerance or stalled:
-            det_f = _check_state(problem)
+            det_f, stretch = _check_state(problem)
             factor.refresh()  # the stability count is that of the converged state
             compliance = joint_dot(problem.comm, here.gradient, factor.solve(*here.force))
             used = factor.count - before
-            return NewtonReport(iteration, used, new_error, det_f, factor.excess_negatives, compliance)
+            return NewtonReport(iteration, used, new_error, det_f, stretch, factor.excess_negatives, compliance)
         if new_error > 1e8 or iteration == settings.max_iterations:
             raise StepFailed(f"no convergence: relative residual {new_error:.1e} after {iteration} iterations")
         reuse = iteration > 0 and new_error < settings.reuse_below * error
-        error = new_error
-        if not reuse:
+        error, fresh = new_error, not reuse
+        if fresh:
             factor.refresh()
             if problem.turning is not None:
                 problem.turning.mark(problem.state.x.array[: problem.owned], problem.body_values)
@@ -197,6 +204,8 @@ def _residual(problem: Problem, control: Control) -> _Residual:
     load = max(abs(pressure), 1e-3 * problem.shear_modulus_mpa) * np.sqrt(sums[2])
     if problem.bonded is not None:
         load = np.hypot(load, problem.bonded.dead_force_n)
+    if load == 0.0:
+        raise StepFailed("the load acts on nothing that is free to move: look which surfaces are loaded and held")
     error = np.sqrt(sums[0] + on_bodies @ on_bodies) / load + np.sqrt(sums[1]) / problem.volume_scale
     error += control.error(problem)
     return _Residual((residual, on_bodies), unit_load, gradient, float(error))
@@ -251,7 +260,7 @@ def _advance(
 
 def _admissible(problem: Problem, settings: NewtonSettings, go: Callable[[float], None]) -> float:
     """Go along the increment as far as no cell comes near inversion; the fraction of it that was gone."""
-    limit1, limit2 = problem.law.invariant_limits
+    limit1, limit2 = problem.invariant_limits
     fraction = 1.0
     for _ in range(settings.max_cuts + 1):
         go(fraction)
@@ -269,17 +278,20 @@ def _admissible(problem: Problem, settings: NewtonSettings, go: Callable[[float]
 
 def _range(problem: Problem) -> str:
     _, i1, i2 = problem.deformation.extremes()
-    limit1, limit2 = problem.law.invariant_limits
+    limit1, limit2 = problem.invariant_limits
     return f"I1 = {i1:.3g} (<= {limit1:g}), I2 = {i2:.3g} (<= {limit2:g})"
 
 
-def _check_state(problem: Problem) -> float:
+def _check_state(problem: Problem) -> tuple[float, float]:
+    """Smallest det F and largest stretch of a state that may be accepted."""
     det_f, i1, i2 = problem.deformation.extremes()
     if not det_f > 0.0:
         raise StepFailed(f"converged to an inverted cell: {problem.deformation.worst_cell()}", Cause.INVERTED_CELL)
-    limit1, limit2 = problem.law.invariant_limits
+    limit1, limit2 = problem.invariant_limits
     if i1 > limit1 or i2 > limit2:
         raise StepFailed(f"out of the material law's range: {_range(problem)}", Cause.MATERIAL_RANGE)
+    if softened := problem.deformation.softened():
+        raise StepFailed(f"the law is no longer stable at {softened}", Cause.LAW_SOFTENS)
     for term in problem.terms:
         term.check()
-    return det_f
+    return det_f, problem.deformation.largest_stretch()

@@ -28,6 +28,9 @@ OUT_OF_CORE = 3
 TOO_LITTLE_WORKSPACE = (-8, -9, -14, -15, -20)
 TOO_LITTLE_MEMORY = (-13, -19)
 
+# PETSC_ERR_MEM.
+PETSC_OUT_OF_MEMORY = 55
+
 
 class Factored(Protocol):
     """What has a tangent to factor: a `solvers.problem.Problem`, or a harmonic about its state."""
@@ -95,11 +98,21 @@ class Factor:
         self.matrix.destroy()
 
     def _factorise(self) -> tuple[int, int]:
-        """One attempt; MUMPS's INFOG(1) and INFOG(2)."""
-        if self.solver is None:
-            self.solver = self._new_solver()
-        self.solver.setOperators(self.matrix)
-        self.solver.getPC().setUp()
+        """One attempt; MUMPS's INFOG(1) and INFOG(2).
+
+        Raises
+        ------
+        StepFailed
+            If PETSc itself fails, as where it has no memory for its own part.
+        """
+        try:
+            if self.solver is None:
+                self.solver = self._new_solver()
+            self.solver.setOperators(self.matrix)
+            self.solver.getPC().setUp()
+        except PETSc.Error as error:
+            cause = Cause.OUT_OF_MEMORY if error.ierr == PETSC_OUT_OF_MEMORY else Cause.LINEAR_SOLVER
+            raise StepFailed(f"PETSc failed to factor the tangent: {error}", cause) from error
         factor = self.solver.getPC().getFactorMatrix()
         return factor.getMumpsInfog(1), factor.getMumpsInfog(2)
 

@@ -49,6 +49,7 @@ def write_checkpoint(path: Path, label: str, memory: PathMemory | GuessMemory, n
             "control": memory.control,
             "step": memory.step,
             "stiffest_mpa_per_mm3": memory.stiffest_mpa_per_mm3,
+            "limit_mpa": memory.limit_mpa,
         }
     else:
         states = [memory.last.state, memory.guess]
@@ -104,6 +105,7 @@ def _memory(facts: dict[str, Any], states: list[State]) -> PathMemory | GuessMem
             facts["rejected"],
             facts["stiffest_mpa_per_mm3"],
             crossing,
+            facts["limit_mpa"],
         )
     return GuessMemory(points[0], states[1], facts["reached"], facts["share"], facts["rejected"], crossing)
 

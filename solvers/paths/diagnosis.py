@@ -12,6 +12,7 @@ REMEDY = {
     Cause.INVERTED_CELL: "look at the shape there (a sharp corner, a fold), refine the mesh there or soften the bond's "
     "edge",
     Cause.MATERIAL_RANGE: "the law's numbers do not hold at such stretches: ask for less pressure or use another law",
+    Cause.LAW_SOFTENS: "ask for smaller loads, or fit the law so that it stiffens at such stretches",
     Cause.LINEAR_SOLVER: "the tangent may be singular: check that supports hold the body, every part of it",
     Cause.OUT_OF_MEMORY: "use more memory or ranks, fewer cells, or a larger disk in MUMPS_OOC_TMPDIR",
     Cause.NO_RESPONSE: 'use control = "pressure"',
@@ -65,8 +66,12 @@ def failed_steps(
     """
     here = history[-1]
     at = f"last state at {1e3 * here.pressure_mpa:.6g} kPa"
+    lost = loss_of_stability(crossing)
+    more = f"; on the way: {lost}" if lost else ""
     if failure.cause is Cause.OUT_OF_MEMORY:
         return failure.cause, f"{failure}; {at}; {REMEDY[failure.cause]}"
+    if failure.cause is Cause.LAW_SOFTENS:  # at the smallest steps: this, not the structure, is what ends the path
+        return failure.cause, f"{failure}; {at}{more}; {REMEDY[failure.cause]}"
     limit = limit_pressure(history)
     share = here.slope_mpa_per_mm3 / stiffest if stiffest > 0.0 else math.nan
     if control == "pressure" and share < 0.2 and limit <= 1.02 * here.pressure_mpa:
@@ -74,36 +79,52 @@ def failed_steps(
             f"limit point near {1e3 * limit:.6g} kPa: dP/dV has fallen to {100.0 * share:.2g} % of its largest; {at}; "
             'pressure control cannot pass it, control = "auto" or "volume" can'
         )
-    lost = loss_of_stability(crossing)
     if crossing is not None and crossing.kind is Cause.BIFURCATION and here.unstable:
         return Cause.BIFURCATION, (
             f"{lost}; beyond it the path followed is not the one the body takes, and its steps failed: {failure}; "
             f"{at}; give the geometry a small imperfection in the critical mode to follow the other branch"
         )
-    more = f"; on the way: {lost}" if lost else ""
     kind = "" if failure.cause is Cause.MATERIAL_RANGE else f"{failure.cause}: "  # its message names itself
     return failure.cause, f"{kind}{failure}; {at}{more}; {REMEDY[failure.cause]}"
 
 
-def too_large(multiple: float, highest: PathPoint, asked_mpa: float, crossing: Crossing | None) -> tuple[Cause, str]:
+def too_large(
+    multiple: float, here: PathPoint, limit_mpa: float, asked_mpa: float, crossing: Crossing | None
+) -> tuple[Cause, str]:
     """Kind and sentence for a path that ended because the cavity grew beyond measure.
+
+    A farther branch is spoken of only where the pressure rises at the end.
 
     Parameters
     ----------
     multiple
         The largest volume allowed, relative to the unloaded one.
-    highest
-        The state of highest pressure met.
+    here
+        The last state.
+    limit_mpa
+        Pressure of the limit point that the path has passed; NaN without one.
     asked_mpa
         The pressure that was asked for next.
     crossing
         Where stability was lost on the way, if it was.
     """
     end = f"the cavity exceeds {multiple:g} times its unloaded volume and {1e3 * asked_mpa:.6g} kPa is not reached"
-    if crossing is not None and crossing.kind is Cause.LIMIT_POINT:
-        return Cause.LIMIT_POINT, f"{loss_of_stability(crossing)}; {end}; ask for less than the limit pressure"
     lost = f"; on the way: {loss_of_stability(crossing)}" if crossing is not None else ""
-    return Cause.TOO_LARGE, (
-        f"{end}; highest pressure {1e3 * highest.pressure_mpa:.6g} kPa{lost}; check the units of the "
-        "material, or ask for less pressure"
+    if math.isnan(limit_mpa):
+        return Cause.TOO_LARGE, (
+            f"{end}; highest pressure {1e3 * here.pressure_mpa:.6g} kPa{lost}; check the units of the material, ask "
+            "for less pressure, or set load.largest_volume higher"
+        )
+    limit = f"limit point at {1e3 * limit_mpa:.6g} kPa{lost}"
+    if crossing is not None and crossing.kind is Cause.LIMIT_POINT:
+        limit = loss_of_stability(crossing)
+    limit = f"{limit}; beyond it {end}"
+    if here.slope_mpa_per_mm3 > 0.0:
+        return Cause.LIMIT_POINT, (
+            f"{limit}, but the pressure rises again, {1e3 * here.pressure_mpa:.6g} kPa there: a farther branch begins, "
+            f"which load.largest_volume above {multiple:g} follows; or ask for less than the limit pressure"
+        )
+    return Cause.LIMIT_POINT, (
+        f"{limit}, nor does the pressure rise again, {1e3 * here.pressure_mpa:.6g} kPa there and falling: ask for less "
+        "than the limit pressure"
     )

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
 from solvers.paths.diagnosis import failed_steps, too_large
-from solvers.paths.states import Path, PathMemory, PathSettings, PathState, Progress, point_of
+from solvers.paths.states import Path, PathMemory, PathSettings, PathState, Progress
 from solvers.paths.steps import Follower, Walk
 from solvers.problem import Problem
 
@@ -58,7 +58,7 @@ def follow_path(
     """
     follower = Follower(problem, factor, pressures_mpa, settings, progress)
     if resume is None:
-        walk = follower.start()
+        walk = follower.start(accept)
     else:
         walk = Walk(
             list(resume.history),
@@ -68,6 +68,7 @@ def follow_path(
             resume.rejected,
             resume.stiffest_mpa_per_mm3,
             resume.crossing,
+            resume.limit_mpa,
         )
     states: list[PathState] = []
     cause, reason = Cause.REACHED, ""
@@ -83,24 +84,23 @@ def follow_path(
             control = walk.control
             if follower.retry(walk, aim, failure):
                 continue
+            # beyond where a law softens steps fail in many ways
+            failure = walk.softened or failure
             cause, reason = failed_steps(failure, walk.history, walk.crossing, control, walk.stiffest)
             break
         for item in found:
-            follower.keep(walk, item)
+            item = follower.keep(walk, item)
             states.append(item)
             if on_state is not None:
                 on_state(item)
-            if walk.reached == len(follower.targets):
-                break  # a volume step that went beyond the last asked pressure is not part of the answer
         problem.set_state(walk.here.state)
         follower.adapt(walk, aim, max(item.newton.iterations for item in found))
         if on_step is not None:
             on_step(walk.memory())
-        if walk.here.volume_mm3 > settings.largest_volume * problem.volume_unit_mm3:
+        if walk.here.volume_mm3 - problem.volume_start_mm3 > settings.largest_volume * problem.volume_unit_mm3:
             if walk.reached < len(follower.targets):
-                highest = max((point_of(s) for s in states), key=lambda p: p.pressure_mpa)
                 asked = follower.targets[walk.reached]
-                cause, reason = too_large(settings.largest_volume, highest, asked, walk.crossing)
+                cause, reason = too_large(settings.largest_volume, walk.here, walk.limit_mpa, asked, walk.crossing)
             break
         if walk.control == "arc" and len(states) >= MOST_STATES:
             endless = StepFailed(f"{MOST_STATES} states by arc length and no end")

@@ -66,28 +66,29 @@ def follow_motion(
     turn = float(np.abs(motion_mm[:, 3:]).max(initial=0.0)) / bonded.arm_mm
     longest = LARGEST_TURN / turn if turn > LARGEST_TURN else 1.0
     here, share, step, rejected = problem.zero_state(), 0.0, min(FIRST_STEP, longest), 0
-    problem.set_state(here)
-    factor.refresh()
     states: list[PathState] = []
+    is_fresh = False
     while share < 1.0:
         target = 1.0 if share + step >= 1.0 - 1e-12 else share + step
         bodies = here.bodies_mm.copy()
         bodies[held] = target * motion_mm[held]
         try:
+            if not is_fresh:  # the tangent of the last state
+                problem.set_state(here)
+                factor.refresh()
             problem.set_state(replace(here, bodies_mm=bodies))
             _carry_along(problem, factor, settings)
             report = solve_equilibrium(problem, factor, settings, HeldLoad(0.0))
         except StepFailed as failure:
             problem.set_state(here)
-            if failure.cause is not Cause.OUT_OF_MEMORY:
-                factor.refresh()
+            is_fresh = False
             rejected += 1
             step *= 0.5
             if failure.cause is Cause.OUT_OF_MEMORY or step < SMALLEST_STEP * min(1.0, longest):
                 reason = f"{failure}; {100.0 * share:.4g} % of the motion reached; {REMEDY[failure.cause]}"
                 return Path(tuple(states), False, reason, rejected, failure.cause, None)
             continue
-        share, step = target, min(GROWTH * step, longest)
+        share, step, is_fresh = target, min(GROWTH * step, longest), True
         states.append(record(problem, report, share == 1.0, "pressure", begin))
         here = states[-1].state
         if on_state is not None:

@@ -45,6 +45,9 @@ class PathSettings:
         that share.
     largest_volume
         The path ends when the cavity exceeds this multiple of its unloaded volume.
+    growth_beyond
+        Beyond a limit point a step in volume may be this share of the volume: a balloon may have to grow hundredfold
+        until its pressure has risen again.
     crossing_tolerance
         A change of the number of unstable modes is located to this share of the pressure; 0 leaves it unlocated.
     newton
@@ -65,6 +68,7 @@ class PathSettings:
     shrink: float = 0.6
     soft: float = 0.1
     largest_volume: float = 40.0
+    growth_beyond: float = 0.1
     crossing_tolerance: float = 1e-5
     newton: NewtonSettings = field(default_factory=NewtonSettings)
 
@@ -91,6 +95,9 @@ class PathState:
         Cost and checks of the solve.
     wall_s
         Seconds since the path began.
+    limit_mpa
+        Pressure of the limit point that the path has passed: under a rising pressure the body snaps from there to this
+        state or one like it. NaN on the branch that begins at rest.
     """
 
     state: State
@@ -103,6 +110,7 @@ class PathState:
     bond_slip_mm: float
     newton: NewtonReport
     wall_s: float
+    limit_mpa: float = math.nan
 
 
 def record(problem: Problem, report: NewtonReport, asked: bool, control: ControlName, start: float) -> PathState:
@@ -245,6 +253,8 @@ class PathMemory:
         Largest dP/dV met.
     crossing
         Where stability was lost; a memory read from a file has the numbers only.
+    limit_mpa
+        Pressure from which the path's pressure has first fallen; NaN as long as it rises.
     """
 
     history: tuple[PathPoint, ...]
@@ -254,6 +264,7 @@ class PathMemory:
     rejected: int
     stiffest_mpa_per_mm3: float
     crossing: Crossing | None
+    limit_mpa: float = math.nan
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 from solvers.equilibrium.controls import Control, HeldLoad, HeldVolume
 from solvers.equilibrium.newton import solve_equilibrium
@@ -13,8 +13,8 @@ from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
 from solvers.paths.arc import plane_at, refuse_far, refuse_jump, scale_of, volume_turns_back
 from solvers.paths.crossing import locate_crossing, lost_stability
+from solvers.paths.onset import go_to_rest
 from solvers.paths.prediction import coordinates, extrapolate, peak, place_of_pressure, predicted_pressure
-from solvers.paths.rest import go_to_rest
 from solvers.paths.states import (
     ControlName,
     Crossing,
@@ -30,6 +30,8 @@ from solvers.paths.states import (
 from solvers.problem import Problem
 from solvers.state import State
 
+# A pressure that is lower by more than this share of the highest asked one has fallen.
+FALL = 1e-6
 # Solves for a peak of the pressure within a step, at most, and the share of its foreseen height above the states around
 # it by which it may be higher than foreseen.
 CLIMBS, CLIMB_MARGIN = 8, 0.25
@@ -48,8 +50,10 @@ class Walk:
     rejected: int
     stiffest: float
     crossing: Crossing | None
+    limit_mpa: float = math.nan
     failures: int = 0
     switched: bool = False
+    softened: StepFailed | None = None
 
     @property
     def here(self) -> PathPoint:
@@ -59,7 +63,14 @@ class Walk:
     def memory(self) -> PathMemory:
         """What is needed to go on from here."""
         return PathMemory(
-            tuple(self.history), self.control, self.step, self.reached, self.rejected, self.stiffest, self.crossing
+            tuple(self.history),
+            self.control,
+            self.step,
+            self.reached,
+            self.rejected,
+            self.stiffest,
+            self.crossing,
+            self.limit_mpa,
         )
 
 
@@ -100,12 +111,18 @@ class Follower:
             "arc": settings.largest_arc_step,
         }
 
+    def largest_step(self, walk: Walk, control: ControlName) -> float:
+        """Size of the largest step under a control."""
+        beyond = control == "volume" and not math.isnan(walk.limit_mpa)
+        grown = walk.here.volume_mm3 - self.problem.volume_start_mm3
+        return max(self.largest[control], self.settings.growth_beyond * grown if beyond else 0.0)
+
     def first_step(self, control: ControlName) -> float:
         """Size of the first step under a control."""
         share = self.settings.first_step if control == "volume" else self.settings.first_pressure_step
         return share * self.unit[control]
 
-    def start(self) -> Walk:
+    def start(self, accept: Callable[[PathState], bool] | None) -> Walk:
         """A walk from the state without pressure.
 
         Raises
@@ -113,12 +130,14 @@ class Follower:
         StepFailed
             If there is no such state under the dead force.
         """
-        go_to_rest(self.problem, self.factor, self.settings.newton)
-        rest = PathPoint(self.problem.get_state(), self.problem.cavity_volume(), math.nan, 0)
+        return self.walk_from(go_to_rest(self.problem, self.factor, self.settings.newton, accept), 0)
+
+    def walk_from(self, point: PathPoint, reached: int) -> Walk:
+        """A walk from a state, after so many asked pressures."""
         control = self.settings.start_control if self.settings.control == "auto" else self.settings.control
         if control == "arc":
             control = "pressure"  # for one step, which shows the way
-        return Walk([rest], control, self.first_step(control), 0, 0, 0.0, None)
+        return Walk([point], control, self.first_step(control), reached, 0, 0.0, None)
 
     # ---- one step --------------------------------------------------------------------------------------
 
@@ -160,7 +179,7 @@ class Follower:
             control = plane_at(problem, walk.here.state, aim.guess, self.scale)
         report = solve_equilibrium(problem, self.factor, settings, control, seen)
         if aim.control == "pressure" and walk.control != "arc":
-            self.stayed_on_the_path(walk.here, report.compliance_mm3_per_mpa)
+            self.stayed_on_the_path(walk, report.compliance_mm3_per_mpa)
         if walk.control == "arc":
             refuse_far(aim.guess, problem.get_state(), aim.size, self.scale)
         item = record(problem, report, aim.asked, aim.control, self.begin)
@@ -168,16 +187,16 @@ class Follower:
             refuse_jump(walk.here, point_of(item))
         return item
 
-    def stayed_on_the_path(self, here: PathPoint, compliance_mm3_per_mpa: float) -> None:
+    def stayed_on_the_path(self, walk: Walk, compliance_mm3_per_mpa: float) -> None:
         """Refuse a solution at a pressure that lies behind the last state, beyond a peak or maybe a snap-through.
 
         Between two limit points the path turns back in pressure, and a step in pressure jumps over that part without
         a sign. So it may not change the volume by more than twice the largest step that volume control would take.
         """
-        change = self.problem.cavity_volume() - here.volume_mm3
+        change = self.problem.cavity_volume() - walk.here.volume_mm3
         if change < -1e-9 * self.unit["volume"]:
             raise StepFailed("pressure control fell back to a smaller volume")
-        if change > 2.0 * self.largest["volume"]:
+        if change > 2.0 * self.largest_step(walk, "volume"):
             raise StepFailed("a step in pressure changed the volume by more than could be followed")
         # where an asked pressure is met first it rises
         if change > RESPONDS * self.unit["volume"] and self.problem.conservative and compliance_mm3_per_mpa < 0.0:
@@ -201,7 +220,8 @@ class Follower:
             place = place_of_pressure(near, walk.control, start, end, pressure, self.scale)
             guess = extrapolate(near, walk.control, place, self.scale)
             found.insert(0, self.solve(Aim("pressure", pressure, aim.size, True, guess), walk))
-        return found
+        # a step that went beyond the last asked pressure is not part of the answer
+        return found[:-1] if walk.reached + len(passed) == len(self.targets) else found
 
     def climb(self, walk: Walk, aim: Aim, last: PathState) -> tuple[PathState, list[PathPoint]]:
         """Where a step ends: at its aim, or near a peak of the pressure on the way if an asked one is below that.
@@ -245,19 +265,27 @@ class Follower:
 
     # ---- after a step ----------------------------------------------------------------------------------
 
-    def keep(self, walk: Walk, item: PathState) -> None:
-        """Take a converged state into the walk; a change of its stability is located."""
+    def keep(self, walk: Walk, item: PathState) -> PathState:
+        """Take a converged state into the walk; a change of its stability is located.
+
+        Returns the state with the limit point that the path has passed.
+        """
         new = point_of(item)
         if walk.crossing is None and self.settings.crossing_tolerance > 0.0 and lost_stability(walk.here, new):
             newton, tolerance = self.settings.newton, self.settings.crossing_tolerance
             along = self.scale if walk.control == "arc" else None
             walk.crossing = locate_crossing(self.problem, self.factor, newton, walk.here, new, tolerance, along)
+        if math.isnan(walk.limit_mpa) and walk.here.pressure_mpa - new.pressure_mpa > FALL * self.unit["pressure"]:
+            found = walk.crossing
+            known = found is not None and found.kind is Cause.LIMIT_POINT
+            walk.limit_mpa = found.pressure_mpa if found and known else walk.here.pressure_mpa
         # nearly coincident states would spoil the extrapolation
         while len(walk.history) > 1 and self.gone(walk.here, new, walk.control) < 0.05 * walk.step:
             walk.history.pop()
         walk.history.append(new)
         del walk.history[:-3]
         walk.reached += item.asked
+        return replace(item, limit_mpa=walk.limit_mpa)
 
     def gone(self, here: PathPoint, new: PathPoint, control: ControlName) -> float:
         """From a state to another, in what the steps are taken in."""
@@ -267,14 +295,14 @@ class Follower:
     def adapt(self, walk: Walk, aim: Aim, iterations: int) -> None:
         """Step size, and with ``auto`` the control, after a step that worked."""
         settings = self.settings
-        walk.failures, walk.switched = 0, False
+        walk.failures, walk.switched, walk.softened = 0, False, None
         if settings.control == "arc" and walk.control != "arc":
             self._switch(walk, "arc")
             return
         if iterations > settings.many_iterations:
             walk.step *= settings.shrink
         elif iterations <= settings.few_iterations and (not aim.asked or aim.size >= 0.99 * walk.step):
-            walk.step = min(walk.step * settings.growth, self.largest[walk.control])
+            walk.step = min(walk.step * settings.growth, self.largest_step(walk, walk.control))
         if not self._volume_responds(walk):
             return  # dP/dV says nothing
         walk.stiffest = max(walk.stiffest, walk.here.slope_mpa_per_mm3)
@@ -303,7 +331,7 @@ class Follower:
         walk.control = control
         size = self.gone(walk.history[0 if len(walk.history) == 1 else -2], walk.here, control)
         least = self.settings.smallest_step * self.unit[control]
-        walk.step = min(size, self.largest[control]) if size > least else self.first_step(control)
+        walk.step = min(size, self.largest_step(walk, control)) if size > least else self.first_step(control)
 
     def retry(self, walk: Walk, aim: Aim, failure: StepFailed) -> bool:
         """Make the next try after a failed step smaller or of the other kind; False if there is none left."""
@@ -311,7 +339,9 @@ class Follower:
         if failure.cause is Cause.OUT_OF_MEMORY:
             return False
         walk.failures += 1
-        if self.settings.control == "auto" and not walk.switched:
+        if failure.cause is Cause.LAW_SOFTENS:
+            walk.softened = failure  # another control would come to the same states
+        elif self.settings.control == "auto" and not walk.switched and walk.softened is None:
             if walk.control == "pressure":
                 walk.switched = True
                 self._switch(walk, "volume")
@@ -327,6 +357,12 @@ class Follower:
                 walk.switched = True
                 self._switch(walk, "pressure")
                 return True
+        # a sheet stiffens so much in its first step that the way from rest is not that of the next: one more shows it
+        from_rest = walk.control == "arc" and walk.history[0].pressure_mpa == 0.0
+        if self.settings.control == "arc" and from_rest and walk.failures > 2 and not walk.switched:
+            walk.switched = True
+            self._switch(walk, "pressure")
+            return True
         walk.step = 0.5 * min(walk.step, aim.size)
         return (
             failure.cause is not Cause.NO_RESPONSE

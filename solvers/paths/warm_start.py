@@ -13,6 +13,7 @@ from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
 from solvers.paths.crossing import locate_crossing, lost_stability
 from solvers.paths.diagnosis import failed_steps
+from solvers.paths.onset import dead_force
 from solvers.paths.states import GuessMemory, Path, PathPoint, PathSettings, PathState, Progress, point_of, record
 from solvers.problem import Problem
 from solvers.state import State, combine
@@ -49,7 +50,9 @@ def follow_guesses(
     states: list[PathState] = []
     if resume is None:
         problem.set_state(problem.zero_state())
-        rest = PathPoint(problem.get_state(), problem.cavity_volume(), math.nan, 0)
+        # under a dead force rest is no state of the path, whose stability others could be compared with
+        unstable = None if dead_force(problem) else 0
+        rest = PathPoint(problem.get_state(), problem.cavity_volume(), math.nan, unstable)
         memory = GuessMemory(rest, rest.state, 0, 1.0, 0, None)
     else:
         memory = resume

@@ -36,6 +36,7 @@ import ufl
 from dolfinx import fem
 
 from analytical.laws.stiff import StiffSolid
+from solvers.assembly.surfaces import SOFT, STIFF
 from solvers.discrete.domain import FloatArray
 from solvers.discrete.kinematics import Kinematics
 from solvers.energy.forms import invariants, soft_stress_increment, stiff_stress_increment
@@ -111,7 +112,7 @@ def harmonic_tangent(
     law: CompiledLaw,
     inverse_kappa: Any,
     stiff: StiffSolid | None,
-    measures: dict[str, Any],
+    measures: dict[int, Any],
     wave: Wave,
 ) -> Any:
     """Second variation of the stored energy in a harmonic, see this module's heading.
@@ -122,8 +123,10 @@ def harmonic_tangent(
         Mixed space of (a, c, s) and q.
     state
         The axisymmetric state (u, p).
-    kin, law, inverse_kappa, stiff, measures
-        As in `solvers.energy.forms.build_forms`, of the meridian.
+    kin, law, inverse_kappa, stiff
+        As in `solvers.energy.forms`, of the meridian.
+    measures
+        Of the SOFT and the STIFF cells.
     wave
         The harmonic.
     """
@@ -134,9 +137,9 @@ def harmonic_tangent(
     k = invariants(kin.gradient(u))
     h, g = wave.gradient(trial, r), wave.gradient(test, r)
     stress = soft_stress_increment(k, p, law, h, dq)
-    form = (ufl.inner(stress, g) + q * (ufl.inner(k.cof, h) - inverse_kappa * dq)) * wave.weight * r * measures["soft"]
+    form = (ufl.inner(stress, g) + q * (ufl.inner(k.cof, h) - inverse_kappa * dq)) * wave.weight * r * measures[SOFT]
     if stiff is not None:
-        form += ufl.inner(stiff_stress_increment(k, stiff, h), g) * wave.weight * r * measures["stiff"]
+        form += ufl.inner(stiff_stress_increment(k, stiff, h), g) * wave.weight * r * measures[STIFF]
     return form
 
 

@@ -27,7 +27,7 @@ from petsc4py import PETSc
 
 from solvers import compat
 from solvers.assembly.supports import dofs_of_facets, idle_pressures
-from solvers.assembly.surfaces import cell_measures
+from solvers.assembly.surfaces import SOFT, STIFF, cell_measures
 from solvers.assembly.tangent import Border, assemble, bonded_dofs, new_matrix
 from solvers.assembly.term import Term
 from solvers.assembly.unknowns import displacement_dofs
@@ -91,6 +91,8 @@ class Harmonics:
             )
         if problem.element.displacement_degree != 2:
             raise SolverError(f"harmonics need quadratic displacements, got {problem.element.name}")
+        if len(problem.parts) > 1:
+            raise SolverError(f"harmonics know one soft material, not {len(problem.parts)}")
         if not problem.conservative:
             raise SolverError("harmonics need a conservative load: the tangent of this one has no inertia to count")
         self.problem, self.domain, self.comm = problem, problem.domain, problem.comm
@@ -119,7 +121,7 @@ class Harmonics:
         problem, mesh, degree = self.problem, self.domain.mesh, self.problem.quadrature_degree
         kin = kinematics(mesh, True)
         ds = self.domain.ds(degree=degree)
-        measures = cell_measures(self.domain, degree, problem.stiff is not None)
+        measures = cell_measures(self.domain, degree, (SOFT,) if problem.stiff is None else (SOFT, STIFF))
         inverse_kappa = fem.Constant(mesh, problem.inverse_kappa)
         wave = self._wave
         tangent = harmonic_tangent(
@@ -147,7 +149,7 @@ class Harmonics:
         self.p_dofs = np.unique(on_cells).astype(np.int64)
         self._stiff_pressure = np.zeros(0, dtype=np.int64)
         if self.problem.stiff is not None:
-            self._stiff_pressure = idle_pressures(self.domain, self.space)
+            self._stiff_pressure = idle_pressures(self.domain, self.space, 1, (SOFT,))
         self._axis_pressure = np.zeros(0, dtype=np.int64)
         if self.problem.element.pressure == "continuous":
             corners = compat.geometry_dofs(self.domain.mesh)[:, : self.domain.corners]

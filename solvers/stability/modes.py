@@ -44,7 +44,7 @@ class ModeCrossing:
     before, after
         Unstable modes of the harmonic on the two sides; m >= 1 count once.
     state, shape
-        The state there, and the critical mode, 1 mm at most.
+        The state there, and the critical mode, 1 mm at most; None if it could not be computed.
     """
 
     waves: int
@@ -54,7 +54,7 @@ class ModeCrossing:
     before: int
     after: int
     state: State
-    shape: Shape
+    shape: Shape | None
 
 
 class ModeCounter:
@@ -104,7 +104,13 @@ class ModeCounter:
         return tuple(self.count(state, m) for m in self.waves)
 
     def shape(self, state: State, waves: int) -> Shape:
-        """The mode of a harmonic whose stiffness is closest to zero, 1 mm at most."""
+        """The mode of a harmonic whose stiffness is closest to zero, 1 mm at most.
+
+        Raises
+        ------
+        StepFailed, SolverError
+            As from `count`, or if the mode cannot be computed.
+        """
         self.count(state, waves)
         h = self.harmonics
         massless = h.is_constrained.copy()
@@ -175,10 +181,17 @@ def _locate(
         if step is None:
             return None
         share, middle = step
-        return share, replace(middle, unstable=counter.count(middle.state, waves))
+        try:
+            return share, replace(middle, unstable=counter.count(middle.state, waves))
+        except StepFailed:
+            return None
 
     low, high = narrow(before, after, part_way, tolerance, LEAST_SHRINKING)
     assert before.unstable is not None and high.unstable is not None
+    try:
+        shape = counter.shape(high.state, waves)
+    except StepFailed:
+        shape = None
     return ModeCrossing(
         waves,
         0.5 * (low.pressure_mpa + high.pressure_mpa),
@@ -187,7 +200,7 @@ def _locate(
         before.unstable,
         high.unstable,
         high.state,
-        counter.shape(high.state, waves),
+        shape,
     )
 
 

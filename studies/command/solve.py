@@ -121,7 +121,7 @@ def _tell(result: SceneResult[Scene], as_json: bool) -> None:
         click.echo(solve_output.as_json(result))
     else:
         solve_output.show(result)
-    for note in result.unstable:
+    for note in result.warnings:
         click.echo(f"{result.scene.name}: {note}", err=True)
     if not result.reached:
         click.echo(f"{result.scene.name}: stopped early: {result.reason}", err=True)

@@ -17,13 +17,14 @@ from studies.models.session import SceneResult
 from studies.models.tolerance import worst_percent
 from studies.report.labels import model_label, ordered, quantity_label, run_label
 from studies.report.numbers import signed
-from studies.results.rows import Row
+from studies.results.rows import Row, snap_of
 from studies.scene.load import Scene
 
 # The models whose result is the answer, the best first.
 BEST = ("full3d", "sector", "axisymmetric")
 # Other readings of the closed form; they are in rows.csv.
 OTHER_CHAINS = ("closed_form_printed", "closed_form_balanced", "closed_form_seat", "closed_form_outline")
+STRETCH = "largest_stretch"
 # A table that does not go to a terminal is not broken into lines.
 WIDE = 160
 
@@ -34,7 +35,7 @@ def show(result: SceneResult[Scene]) -> None:
     if not console.is_terminal or MPI.COMM_WORLD.size > 1:  # mpirun gives its ranks a terminal that is none
         console = Console(highlight=False, width=WIDE, force_terminal=False)
     for quantity in dict.fromkeys(row.quantity for row in result.headlines):
-        table, against = answers(quantity, result.headlines)
+        table, against = answers(quantity, result.headlines, _of_answer(result, STRETCH))
         console.print(f"{result.scene.name}: {quantity_label(quantity)}; in brackets % from {against}", soft_wrap=True)
         console.print(table)
     for line in ("" if result.missed else verdict(result), result.remark):  # what is missed is an error
@@ -42,8 +43,18 @@ def show(result: SceneResult[Scene]) -> None:
             console.print(line, soft_wrap=True)
 
 
-def answers(quantity: str, rows: Sequence[Row]) -> tuple[Table, str]:
-    """A line per pressure with the finest value of each model and how far it is from the best; what that is."""
+def _of_answer(result: SceneResult[Scene], quantity: str) -> list[Row]:
+    """The answer's rows of a quantity."""
+    run = result.answer
+    at = ("", "") if run is None else (run.summary.model, run.summary.level)
+    return [row for row in result.rows if row.quantity == quantity and (row.model, row.level) == at]
+
+
+def answers(quantity: str, rows: Sequence[Row], beside: Sequence[Row] = ()) -> tuple[Table, str]:
+    """A line per pressure with the finest value of each model and how far it is from the best; what that is.
+
+    Of another quantity of the answer, ``beside``, a column comes last.
+    """
     of_it = [row for row in rows if row.quantity == quantity and row.model not in OTHER_CHAINS]
     levels = {row.model: row.level for row in of_it}  # levels ascend, so the last row of a model is its finest
     models = ordered(levels)
@@ -56,6 +67,9 @@ def answers(quantity: str, rows: Sequence[Row]) -> tuple[Table, str]:
         table.add_column(run_label(model, levels[model]), justify="right", no_wrap=True)
     if exact:
         table.add_column("reference", justify="right")
+    further = {row.pressure_kpa: row for row in beside}
+    for name in dict.fromkeys(row.quantity for row in beside):
+        table.add_column(quantity_label(name), justify="right")
     for pressure in dict.fromkeys(row.pressure_kpa for row in of_it):
         found = {r.model: r for r in of_it if r.pressure_kpa == pressure or math.isnan(pressure)}
         reference = next((r.reference for r in found.values() if math.isfinite(r.reference)), math.nan)
@@ -64,7 +78,10 @@ def answers(quantity: str, rows: Sequence[Row]) -> tuple[Table, str]:
         for model in models:
             row = found.get(model)
             cells.append(_value(row) + ("" if model == best and not exact else _apart(row, compared)))
-        table.add_row(*cells, *([_number(reference)] if exact else []))
+        cells += [_number(reference)] if exact else []
+        if further:
+            cells.append(f"{further[pressure].value:.3g}" if pressure in further else "–")
+        table.add_row(*cells)
     return table, against
 
 
@@ -73,13 +90,13 @@ def _number(value: float) -> str:
 
 
 def _value(row: Row | None) -> str:
-    """A value with its uncertainty, or why there is none."""
+    """A value with its uncertainty and in which state, or why there is none."""
     if row is None:
         return "–"
     if math.isnan(row.value):
         return row.status.split(":")[0]
     spread = "" if math.isnan(row.uncertainty) else f" ± {row.uncertainty:.2g}"
-    return f"{_number(row.value)}{spread}"
+    return ", ".join(filter(None, [f"{_number(row.value)}{spread}", snap_of(row)]))
 
 
 def _apart(row: Row | None, value: float) -> str:
@@ -121,8 +138,9 @@ def as_json(result: SceneResult[Scene]) -> str:
             for short in result.missed
         ],
         "expected": result.remark,
-        "warnings": list(result.unstable),
+        "warnings": list(result.warnings),
         "rows": [_plain(row) for row in result.headlines],
+        "largest_stretch": [_plain(row) for row in _of_answer(result, STRETCH)],
     }
     return json.dumps(content, indent=1, allow_nan=False)
 

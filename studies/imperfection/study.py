@@ -44,7 +44,7 @@ def rows_of(actuator: Actuator, bodies: Sequence[Body]) -> list[Row]:
     for pressure, body, name in product(actuator.pressures_kpa, bodies, UNITS):
         scene, level, value = body.scene.name, body.level.name, body.value(name, pressure)
         known, source = _reference(name, body, pressure, bodies)
-        status = value_status(body.run, body.value("tip_mm", pressure))
+        status = value_status(body.run, pressure, body.value("tip_mm", pressure))
         rows.append(row(scene, name, UNITS[name], pressure, "full3d", value, level, math.nan, known, source, status))
     return rows
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
 from mpi4py import MPI
 
 from solvers.linear.factor import Factor
-from solvers.paths.path import follow_path
+from solvers.paths.orders import follow_loads
 from solvers.paths.states import PathMemory, PathSettings
 from studies.models.build import Tip, masses_g, scene_problem
 from studies.models.contact import MODELLED, ContactWatch
@@ -69,11 +70,14 @@ def _solve(scene: BellowsScene, refinement: int, folder: Path, progress: Progres
     log = Log(job, problem, Factor(problem), mesh, lambda item: path_row(item, tip, sense=job.sense), watch)
     if any(note.startswith(MODELLED) for note in log.notes):
         watch.switch_on()
-    path = follow_path(
+    path = follow_loads(
         problem,
         log.factor,
         scene.pressures_mpa,
         _settings(scene),
+        scene.load.order,
+        log.notes.append,
+        watch.touches,
         progress.iteration,
         on_state=log.keep,
         on_step=log.step,
@@ -85,6 +89,5 @@ def _solve(scene: BellowsScene, refinement: int, folder: Path, progress: Progres
 
 def _settings(scene: BellowsScene) -> PathSettings:
     """Step control; a vacuum takes small steps, as it can take from a cavity no more than it holds."""
-    if scene.load.sense < 0.0:
-        return PathSettings(control=scene.load.control, first_step=0.02, largest_step=0.05)
-    return PathSettings(control=scene.load.control)
+    settings = PathSettings(control=scene.load.control, largest_volume=scene.load.largest_volume)
+    return replace(settings, first_step=0.02, largest_step=0.05) if scene.load.sense < 0.0 else settings

@@ -17,7 +17,7 @@ from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause
 from solvers.linear.factor import Factor
-from solvers.paths.path import follow_path
+from solvers.paths.orders import follow_loads
 from solvers.paths.prescribed import follow_motion
 from solvers.paths.states import Path as EquilibriumPath
 from solvers.paths.states import PathMemory, PathPoint, PathSettings, PathState
@@ -36,7 +36,7 @@ BEYOND = 1e3
 
 
 class _Found(Exception):
-    """The loss of stability that a path was followed for has been found; the path ends here."""
+    """The loss of stability that a path was followed for has been found, or is not there; the path ends here."""
 
     def __init__(self, memory: PathMemory) -> None:
         super().__init__()
@@ -117,7 +117,8 @@ def _solve(
 def _load(scene: BodyScene, log: Log) -> EquilibriumPath:
     """The path through the requested loads."""
     loads = [1e-3 * p for p in scene.loads_kpa]
-    settings, memory = PathSettings(control=scene.load.control), log.memory
+    settings = PathSettings(control=scene.load.control, largest_volume=scene.load.largest_volume)
+    memory = log.memory
     if scene.geometry.kind in ("block", "cook"):  # a load that does no work before the cube gives way, or no volume
         settings = dataclasses.replace(settings, control="pressure")
     if memory is None and scene.geometry.kind == "block":
@@ -128,31 +129,33 @@ def _load(scene: BodyScene, log: Log) -> EquilibriumPath:
 def _to_limit(scene: BodyScene, log: Log) -> EquilibriumPath:
     """The path through the requested loads, and on by volume until the limit point is found."""
     loads = [1e-3 * p for p in scene.loads_kpa]
-    settings = PathSettings(control="volume", largest_volume=LIMIT_VOLUME)
+    settings = PathSettings(control="volume", largest_volume=scene.load.largest_volume)
     try:
-        path = _follow(log, [*loads, BEYOND * loads[-1]], settings, log.memory, enough=len(loads))
+        return _follow(log, [*loads, BEYOND * loads[-1]], settings, log.memory, enough=len(loads))
     except _Found as found:
         return EquilibriumPath((), True, "", found.memory.rejected, Cause.REACHED, found.memory.crossing)
-    if path.cause is Cause.TOO_LARGE and sum(row.status == "requested" for row in log.rows) == len(loads):
-        path = dataclasses.replace(path, reached=True, reason="", cause=Cause.REACHED)
-    return path
 
 
 def _follow(
     log: Log, targets: Sequence[float], settings: PathSettings, memory: object, enough: int | None = None
 ) -> EquilibriumPath:
-    """A path; it ends with `_Found` when stability is lost and ``enough`` targets are reached."""
+    """With ``enough`` targets reached it ends with `_Found` when stability is lost, or beyond where that is sought."""
+    farthest_mm3 = LIMIT_VOLUME * log.problem.volume_unit_mm3
 
     def after(memory: PathMemory) -> None:
         log.step(memory)
-        if memory.crossing is not None and memory.reached == enough:
+        sought = memory.crossing is None and memory.history[-1].volume_mm3 <= farthest_mm3
+        if memory.reached == enough and not sought:
             raise _Found(memory)
 
-    return follow_path(
+    return follow_loads(
         log.problem,
         log.factor,
         targets,
         settings,
+        log.job.scene.load.order,
+        log.notes.append,
+        lambda _: False,  # contact is not modelled here
         log.job.progress.iteration,
         on_state=log.keep,
         on_step=after,
@@ -210,5 +213,7 @@ def _measured(scene: BodyScene, mesh: SolidMesh, folder: Path, run: Run) -> dict
         if saved is not None:
             out[row.pressure_kpa] = {name: function(saved[0]) for name, function in functions.items()}
             if scene.geometry.kind == "mesh":
-                out[row.pressure_kpa]["volume_mm3"] = row.volume_mm3
+                held = {"tip_force_n": scene.load.tip == "blocked", "reaction_n": not math.isnan(row.reaction_n)}
+                out[row.pressure_kpa] |= {"volume_mm3": row.volume_mm3}
+                out[row.pressure_kpa] |= {name: getattr(row, name) for name, is_held in held.items() if is_held}
     return out

@@ -7,7 +7,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 from mpi4py import MPI
@@ -22,17 +21,18 @@ from meshes.bodies import (
     tube_meridian,
     ventricle_meridian,
 )
-from meshes.by_gmsh.user_mesh import read_user_mesh
 from meshes.cells import CellKind
-from meshes.solid import FACETS, FloatArray, SolidMesh
+from meshes.solid import FACETS, FloatArray, IntArray, SolidMesh
 from meshes.surface import surface_weights
 from meshes.sweep import revolve_hexahedra
 from solvers.assembly.surfaces import SOFT, Surfaces
 from solvers.bodies.rigid import RigidBodies
 from solvers.discrete.domain import create_domain
+from solvers.energy.materials import Material
 from solvers.problem import Problem
 from solvers.state import State
 from studies.models.build import element_of
+from studies.models.users.body import users_body, users_measures
 from studies.planning.bodies import cells_of
 from studies.planning.levels import fineness
 from studies.scene.bodies import BodyScene
@@ -48,6 +48,7 @@ from studies.scene.body_geometry import (
 )
 from studies.scene.materials import inverse_kappa, law_of
 from studies.scene.meshes import revolved
+from studies.scene.users_mesh import numbers_of_tables
 
 Held = tuple[tuple[int, int], ...]
 # Cells of a bonded tube are half a wall long; a longer tube is uniform away from its ends.
@@ -55,6 +56,8 @@ LONGEST_ROW = 40
 # Stiffness of the layer between a cap and the tube it glides on, MPa/mm: the thrust of the cap comes to the tube at its
 # inner edge, which must not sink in. With 1e4 the bore was 0.06 % off on the finest mesh, and the more the finer.
 CAP_MPA_PER_MM = 1e6
+# Material numbers of volumes with a table of their own: the mesh's region and this.
+OTHERS = 10
 # Stiffness of the layer between a twisted cylinder and its plate, MPa/mm: it slips by 1e-7 of its own twist.
 TWIST_MPA_PER_MM = 1e5
 # Both are for silicones: layers on a body of a larger initial shear modulus, MPa, are as much stiffer.
@@ -79,6 +82,8 @@ class Body:
         True if a rigid cap rides on the facets named bond.
     twisted
         True if these facets are bonded to a plate that is turned.
+    rigid
+        Rigid bodies of a user's mesh, and the facets that are bonded to each, -1 elsewhere.
     """
 
     mesh: SolidMesh
@@ -87,6 +92,7 @@ class Body:
     frame: FloatArray | None = None
     capped: bool = False
     twisted: bool = False
+    rigid: tuple[RigidBodies, IntArray] | None = None
 
 
 def body_of(scene: BodyScene, model: str, level: str) -> Body:
@@ -107,19 +113,38 @@ def body_of(scene: BodyScene, model: str, level: str) -> Body:
         return _cook(fine)
     if isinstance(g, VentricleGeometry):
         return _ventricle(g, model, fine, cells)
-    return _user(g)
+    mesh, surfaces, rigid = users_body(scene, g, fine)
+    return Body(mesh, surfaces, rigid=rigid)
 
 
 def problem_of(scene: BodyScene, body: Body, comm: MPI.Comm) -> Problem:
     """The boundary value problem; every rank calls with the same body."""
-    mesh = body.mesh
-    domain = create_domain(
-        comm, dataclasses.replace(mesh, regions=np.full(len(mesh.cells), SOFT)) if comm.rank == 0 else None
+    mesh, numbers = body.mesh, {}
+    if comm.rank == 0:
+        numbers = numbers_of_tables(mesh, list(scene.materials))
+        # whatever has no table is of the scene's material
+        regions = np.where(np.isin(mesh.regions, list(numbers)), mesh.regions + OTHERS, SOFT)
+        mesh = dataclasses.replace(mesh, regions=regions)
+        if body.rigid is not None:
+            bond = np.where(body.rigid[1] >= 0, FACETS["bond"], mesh.facet_tags)
+            mesh = dataclasses.replace(mesh, facet_tags=bond, facet_bodies=body.rigid[1])
+    tables = {number + OTHERS: scene.materials[name] for number, name in comm.bcast(numbers).items()}
+    others = {number: Material(law_of(of), inverse_kappa(of)) for number, of in tables.items()}
+    domain = create_domain(comm, mesh if comm.rank == 0 else None)
+    law, bodies = law_of(scene.material), None if body.rigid is None else body.rigid[0]
+    if body.capped or body.twisted:
+        bodies = _plate(body, max(1.0, law.initial_shear_modulus_mpa / SILICONE_MPA))
+    return Problem(
+        domain,
+        law,
+        inverse_kappa(scene.material),
+        body.surfaces,
+        None,
+        bodies,
+        element_of(scene.mesh),
+        frame=body.frame,
+        others=others,
     )
-    law, element = law_of(scene.material), element_of(scene.mesh)
-    stiffer = max(1.0, law.initial_shear_modulus_mpa / SILICONE_MPA)
-    cap = _plate(body, stiffer) if body.capped or body.twisted else None
-    return Problem(domain, law, inverse_kappa(scene.material), body.surfaces, None, cap, element, frame=body.frame)
 
 
 def _plate(body: Body, stiffer: float) -> RigidBodies:
@@ -153,11 +178,7 @@ def measures(scene: BodyScene, mesh: SolidMesh) -> dict[str, Callable[[State], f
         # in the published frame the apex points down
         return {name: partial(_depth, mesh.points[node, -1], node) for name, node in nodes.items()}
     if isinstance(scene.geometry, MeshGeometry):
-        out: dict[str, Callable[[State], float]] = {"displacement_max_mm": _largest}
-        if (mesh.facet_tags == FACETS["tip"]).any():
-            weights = surface_weights(mesh, "tip")
-            out["tip_mm"] = lambda state: float(weights @ state.displacement_mm[:, -1] / weights.sum())
-        return out
+        return users_measures(mesh)
     weights = surface_weights(mesh, "cavity")
     outwards = mesh.points.copy()
     if scene.geometry.kind != "sphere":
@@ -172,10 +193,6 @@ def measures(scene: BodyScene, mesh: SolidMesh) -> dict[str, Callable[[State], f
 def _depth(start_mm: float, node: int, state: State) -> float:
     """Position of a node along the axis with the apex pointing down, mm."""
     return -float(start_mm + state.displacement_mm[node, -1])
-
-
-def _largest(state: State) -> float:
-    return float(np.linalg.norm(state.displacement_mm, axis=1).max())
 
 
 def enclosed_mm3(scene: BodyScene, load_volume_mm3: float) -> float:
@@ -295,14 +312,3 @@ def _ventricle(g: VentricleGeometry, model: str, fine: int, cells: CellKind) -> 
         return Body(mesh, Surfaces(cavity=cavity, clamped=clamped, held=held), parts=4)
     mesh = revolved(meridian, fine)
     return Body(mesh, Surfaces(cavity=cavity, clamped=clamped))
-
-
-def _user(g: MeshGeometry) -> Body:
-    mesh = read_user_mesh(Path(g.file), g.scale)
-    axial = mesh.dimension - 1
-    planes = {"axis": 0, "bottom": axial, "top": axial, "symmetry_z": axial}
-    if mesh.dimension == 3:
-        planes = {"symmetry_x": 0, "symmetry_y": 1, "bottom": 2, "top": 2, "symmetry_z": 2}
-    held = tuple((FACETS[name], i) for name, i in planes.items() if (mesh.facet_tags == FACETS[name]).any())
-    clamped = FACETS["clamped"] if (mesh.facet_tags == FACETS["clamped"]).any() else None
-    return Body(mesh, Surfaces(cavity=FACETS["cavity"], clamped=clamped, held=held))

@@ -14,6 +14,8 @@ from mpi4py import MPI
 from analytical.bellows.chains import closed_form
 from analytical.bellows.loads import held_tip
 from studies.models.build import masses_g
+from studies.models.run_log import WARNING, scene_notes
+from studies.planning.warnings import stretch_warnings
 from studies.results import provenance
 from studies.results.run_files import PathRow, RunSummary, write_path, write_summary
 from studies.results.runs import Run, run_hash
@@ -31,11 +33,12 @@ def run_closed_form(scene: BellowsScene, folder: Path, comm: MPI.Comm) -> Run:
         If it has no answer for the scene.
     """
     begin = time.perf_counter()
-    tips, forces = _tip(scene)
+    tips, forces, stretches = _tip(scene)
+    beyond = stretch_warnings(scene, list(zip(scene.load.pressure_kpa, stretches, strict=True)))
     silicone, rings = masses_g(scene, scene_meridian(scene, 1))
     rows = tuple(
-        _row(pressure_kpa=pressure, tip_mm=tip, tip_centre_mm=tip, tip_force_n=force)
-        for pressure, tip, force in zip(scene.load.pressure_kpa, tips, forces, strict=True)
+        _row(pressure_kpa=pressure, tip_mm=tip, tip_centre_mm=tip, tip_force_n=force, largest_stretch=stretch)
+        for pressure, tip, force, stretch in zip(scene.load.pressure_kpa, tips, forces, stretches, strict=True)
     )
     summary = RunSummary(
         scene=scene.name,
@@ -44,7 +47,7 @@ def run_closed_form(scene: BellowsScene, folder: Path, comm: MPI.Comm) -> Run:
         status="reached",
         reason="",
         content_hash=run_hash(scene, "closed_form", ""),
-        plan=(),
+        plan=(*scene_notes(scene), *(WARNING + text for text in beyond)),
         dofs=0,
         cells=0,
         nodes=0,
@@ -63,12 +66,16 @@ def run_closed_form(scene: BellowsScene, folder: Path, comm: MPI.Comm) -> Run:
     return Run(summary, rows)
 
 
-def _tip(scene: BellowsScene) -> tuple[list[float], list[float]]:
-    """Elongations, mm, and forces of the actuator at its tip, N, at the requested pressures."""
+def _tip(scene: BellowsScene) -> tuple[list[float], list[float], list[float]]:
+    """Elongations, mm, forces of the actuator at its tip, N, and largest stretches, at the requested pressures."""
     dimensions, law, pressures = dimensions_of(scene), law_of(scene.material), np.array(scene.load.pressure_kpa)
+    free, nothing = closed_form(dimensions, law, pressures), [0.0] * len(pressures)
     if scene.blocked:
-        return [0.0] * len(pressures), held_tip(dimensions, law, pressures).tip_force_n.ravel().tolist()
-    return closed_form(dimensions, law, pressures).elongation_mm.tolist(), [0.0] * len(pressures)
+        held = held_tip(dimensions, law, pressures)
+        stretch = np.maximum(free.root_inner_stretch, held.wall_stretch)
+        return nothing, held.tip_force_n.ravel().tolist(), stretch.ravel().tolist()
+    stretch = np.maximum(free.root_inner_stretch, free.wall_stretch)
+    return free.elongation_mm.tolist(), nothing, stretch.ravel().tolist()
 
 
 def _row(**known: float) -> PathRow:

@@ -110,7 +110,7 @@ class ContactWatch:
         self._meter = GapMeter(scene, mesh)
         self._contact: Contact | None = None
         self._measured: tuple[State, Touch] | None = None
-        self._open_kpa = 0.0
+        self._open = "0 kPa"
         self.possible = scene.contact.model == "auto" and scene.rings.model in ("rigid", "none")
         self.possible &= problem.element.displacement_degree == 2
 
@@ -141,22 +141,33 @@ class ContactWatch:
         self._measured = (state, touch)
         return touch
 
+    def touches(self, item: PathState) -> bool:
+        """True if surfaces of a state touch and contact could be modelled."""
+        pressing = LIMIT * self._scene.geometry.wall_mm if self.modelled else 0.0
+        return self.possible and self.measure(item.state).gap.gap_mm <= pressing
+
     def accept(self, item: PathState, notes: list[str]) -> bool:
         """False, and contact is on from now, if the state is the first whose gap has closed."""
         if self.modelled or not self.possible:
             return True
         touch = self.measure(item.state)
-        here = 1e3 * self._scene.load.sense * item.state.load_mpa
+        here = self._loads(item)
         if touch.gap.gap_mm > 0.0:
-            self._open_kpa = here
+            self._open = here
             return True
         r, z = touch.gap.at_mm
         notes.append(
-            f"{MODELLED} beyond {self._open_kpa:.4g} kPa: {touch.between} touch first between {self._open_kpa:.4g} and "
-            f"{here:.4g} kPa, near r = {r:.2f}, z = {z:.2f} mm"
+            f"{MODELLED} beyond {self._open}: {touch.between} touch first between {self._open} and {here}, near "
+            f"r = {r:.2f}, z = {z:.2f} mm"
         )
         self.switch_on()
         return False
+
+    def _loads(self, item: PathState) -> str:
+        """A state's pressure, and its force while that is being brought on."""
+        pressure = f"{1e3 * self._scene.load.sense * item.state.load_mpa:.4g} kPa"
+        force, whole = 0.0 - item.end_force_n, self._scene.load.tip_force_n
+        return pressure if not whole or math.isclose(force, whole) else f"{pressure} with {force:.4g} N"
 
     def write(self, item: PathState) -> None:
         """Add a requested state in contact to ``contact.csv``."""
@@ -169,7 +180,7 @@ class ContactWatch:
 
 def write_reports(path: Path, pressure_kpa: float, reports: tuple[PairReport, ...]) -> None:
     """Add a state's pairs to a table, in place of what is there for its pressure."""
-    key = f"{pressure_kpa:.6g}"
+    key = f"{pressure_kpa:.12g}"
     rows = [row for row in read_reports(path) if row["pressure_kpa"] != key]
     rows += [{"pressure_kpa": key, **{k: str(v) for k, v in asdict(report).items()}} for report in reports]
     header = ["pressure_kpa", "what", "gap_mm", "force_n", "places"]

@@ -90,7 +90,8 @@ def run_full3d(
     if isinstance(log.factor, IterativeSolver):
         log.notes.append(NOT_COUNTED)
     if path.reached and len(guesses) < len(scene.pressures_mpa):
-        path = dataclasses.replace(path, reached=False, reason="the axisymmetric path stopped here")
+        why = "the axisymmetric path, whose states are the first guesses, has none at the others"
+        path = dataclasses.replace(path, reached=False, reason=why)
     run = log.finish(path, meridian, masses_g(scene, meridian))
     if comm.rank == 0 and scene.ask.fields:
         write_fields(folder, run, body, [row.pressure_kpa for row in run.requested])
@@ -129,9 +130,8 @@ def _guesses(
     guesses: list[State] = []
     for pressure in scene.pressures_mpa:
         saved = comm.bcast(load_state(meridian_run, meridian_hash, pressure) if comm.rank == 0 else None)
-        if saved is None:
-            break
-        guesses.append(revolve_state(saved[0], meridian, body))
+        if saved is not None:
+            guesses.append(revolve_state(saved[0], meridian, body))
     return guesses
 
 

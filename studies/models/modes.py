@@ -11,7 +11,7 @@ import io
 import json
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -24,6 +24,7 @@ from solvers.atomic import write_atomically
 from solvers.equilibrium.forces import end_force
 from solvers.errors import SolverError, StepFailed
 from solvers.linear.factor import Factor
+from solvers.paths.orders import UNSTABLE
 from solvers.paths.states import PathPoint
 from solvers.problem import Problem
 from solvers.stability.harmonics import Shape
@@ -40,7 +41,7 @@ MODES_FILE = "modes.json"
 # Meridian refinements that are counted: crossings on r1 and r2 differ by 0.3 % at most, and a state on r4 takes four
 # times as long as on r2 (docs/decisions.md).
 COUNTED_LEVELS = (1, 2)
-WARNING, NOT_COUNTED = "warning: unstable against m = ", "warning: modes by harmonic are not counted: "
+WARNING, NOT_COUNTED = f"{UNSTABLE} against m = ", "warning: modes by harmonic are not counted: "
 
 
 @dataclass(frozen=True)
@@ -177,7 +178,8 @@ def count_run(
     )
     for waves, content in shapes.items():
         write_atomically(shape_file(folder, waves), content)
-    summary = dataclasses.replace(run.summary, plan=(*_other_notes(run), *(_note(c) for c in found)))
+    notes = [*([] if at_rest else _notes_without_rest(counts)), *(_note(c) for c in found)]
+    summary = dataclasses.replace(run.summary, plan=(*_other_notes(run), *notes))
     write_path(folder, rows)
     write_summary(folder, summary)
     entries = [{k: None if v != v else v for k, v in asdict(c).items()} for c in found]
@@ -195,13 +197,25 @@ def _other_notes(run: Run) -> list[str]:
 
 def _note(crossing: FoundCrossing) -> str:
     """What a crossing means to the reader of a summary."""
-    what = {0: "in itself or by a twist", 1: "bends sideways"}.get(
-        crossing.waves, f"takes {crossing.waves} waves round"
-    )
-    return (
-        f"{WARNING}{crossing.waves} ({what}) from {crossing.pressure_kpa:.4g} kPa on: "
-        f"{crossing.before} modes before, {crossing.after} after"
-    )
+    pressure = f"{crossing.pressure_kpa:.4g} kPa"
+    where = f"from {pressure} on" if crossing.after > crossing.before else f"up to {pressure}"
+    return f"{_against(crossing.waves)} {where}: {crossing.before} modes before, {crossing.after} after"
+
+
+def _notes_without_rest(counts: Mapping[float, Sequence[int]]) -> list[str]:
+    """What unstable modes mean where the first counted state has some already and no stable one before it."""
+    notes = []
+    for place, waves in enumerate(WAVES):
+        of_it = {pressure: found[place] for pressure, found in counts.items() if found[place]}
+        if of_it and next(iter(of_it)) == next(iter(counts)):
+            states = ", ".join(f"{pressure:.4g} kPa ({count} modes)" for pressure, count in of_it.items())
+            notes.append(f"{_against(waves)} at {states}, from the first state on that is counted")
+    return notes
+
+
+def _against(waves: int) -> str:
+    what = {0: "in itself or by a twist", 1: "bends sideways"}.get(waves, f"takes {waves} waves round")
+    return f"{WARNING}{waves} ({what})"
 
 
 def _count(
@@ -235,7 +249,8 @@ def _count(
     for crossing in mode_crossings(counter, factor, points, counts):
         problem.set_state(crossing.state)
         found.append(_found(crossing, problem, tip_mm))
-        shapes[crossing.waves] = _shape_content(crossing)
+        if crossing.shape is not None:
+            shapes[crossing.waves] = _shape_content(crossing.state, crossing.shape)
     counter.close()
     factor.close()
     return by_pressure, found, shapes
@@ -257,8 +272,7 @@ def _found(crossing: ModeCrossing, problem: Problem, tip_mm: Callable[[State], f
     )
 
 
-def _shape_content(crossing: ModeCrossing) -> bytes:
+def _shape_content(state: State, shape: Shape) -> bytes:
     buffer = io.BytesIO()
-    state, shape = crossing.state, crossing.shape
     np.savez(buffer, **asdict(state), amplitude_mm=shape.amplitude_mm, mode_bodies_mm=shape.bodies_mm)
     return buffer.getvalue()

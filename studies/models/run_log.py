@@ -20,9 +20,10 @@ from mpi4py import MPI
 
 from meshes.quality import mesh_quality
 from meshes.solid import SolidMesh
-from solvers.errors import SolverError
+from solvers.errors import Cause, SolverError
 from solvers.linear.factor import Factor
 from solvers.paths.checkpoint import CheckpointError, read_checkpoint, write_checkpoint
+from solvers.paths.orders import MISSED
 from solvers.paths.states import Crossing, GuessMemory, PathMemory, PathState
 from solvers.paths.states import Path as EquilibriumPath
 from solvers.problem import Problem
@@ -31,6 +32,7 @@ from studies.first_rank import first
 from studies.models.build import Tip
 from studies.models.contact import CONTACT_FILE, ContactWatch
 from studies.models.gaps import GapMeter, Touch
+from studies.planning.warnings import law_ranges, scene_warnings, stretch_warnings
 from studies.progress import Progress
 from studies.results import provenance
 from studies.results.run_files import (
@@ -48,12 +50,12 @@ from studies.results.run_files import (
     write_path,
     write_summary,
 )
-from studies.results.runs import MEASURED_FILE, Run, run_hash
+from studies.results.runs import MEASURED_FILE, Run, farthest_kpa, run_hash
 from studies.scene.load import Scene
 
 CHECKPOINT_FILE, MODE_FILE = "checkpoint.npz", "critical_mode"
-# Begins the note on first touch.
-CONTACT = "contact not modelled"
+# Begin the note on first touch, and what a user should hear of.
+CONTACT, WARNING = "contact not modelled", "warning: "
 
 
 @dataclass(frozen=True)
@@ -89,13 +91,21 @@ def begin(
     notes: Sequence[str] = (),
     content_hash: str | None = None,
 ) -> Job:
-    """Start the clock, the memory's peak and the progress of a run; its hash is that of `run_hash` unless given."""
+    """Start the clock, the memory's peak and the progress of a run; its hash is that of `run_hash` unless given.
+
+    Notes on the law's range and on what looks like another unit come before those given.
+    """
     provenance.reset_peak_memory()
     known = content_hash or run_hash(scene, model, level)
-    job = Job(scene, model, level, folder, known, tuple(notes), progress, time.perf_counter())
+    job = Job(scene, model, level, folder, known, (*scene_notes(scene), *notes), progress, time.perf_counter())
     # a twist has no pressure to measure progress by
     progress.begin(job.label, 1e-3 * abs(scene.loads_kpa[-1]) or 1.0)
     return job
+
+
+def scene_notes(scene: Scene) -> tuple[str, ...]:
+    """Notes on a scene that each of its runs keeps."""
+    return (*law_ranges(scene), *(WARNING + text for text in scene_warnings(scene)))
 
 
 def on_first_rank(comm: MPI.Comm, solve: Callable[[], Run]) -> Run:
@@ -118,6 +128,17 @@ def ending(reason: str, notes: Sequence[str]) -> str:
     """Why a path ended; if something touched before, that too."""
     touch = next((note for note in notes if note.startswith(CONTACT)), None)
     return f"{reason}; {touch}" if reason and touch else reason
+
+
+def without_missed(path: EquilibriumPath, notes: Sequence[str]) -> EquilibriumPath:
+    """The path, not reached if a note says so of a requested load (`solvers.paths.orders`)."""
+    missed = [note for note in notes if note.startswith(MISSED)]
+    if not missed:
+        return path
+    cause = Cause.STEP_SIZE if path.reached else path.cause
+    return dataclasses.replace(
+        path, reached=False, reason="; ".join([*missed, *filter(None, [path.reason])]), cause=cause
+    )
 
 
 class Log:
@@ -169,7 +190,7 @@ class Log:
                 self._clear()
         found = self.comm.bcast(found)
         if isinstance(found, str):
-            self.notes.append(f"warning: {found}; this run started anew")
+            self.notes.append(f"{WARNING}{found}; this run started anew")
             job.progress.warn(f"{job.label}: {found}; starting anew")
         elif found is not None:
             self.memory, kept = found
@@ -259,6 +280,7 @@ class Log:
             Of silicone and rings.
         """
         job, problem = self.job, self.problem
+        path = without_missed(path, self.notes)
         made = self._factorisations + self.factor.count
         peak = provenance.peak_memory_mb(self.comm)
         self.factor.close()
@@ -295,20 +317,21 @@ class Log:
             self._file.unlink(missing_ok=True)
         summary = self.comm.bcast(summary)
         assert summary is not None
-        last = self.rows[-1].pressure_kpa if self.rows else 0.0
-        how = "reached" if path.reached else f"stopped at {last:.2f} kPa: {summary.reason}"
+        how = "reached" if path.reached else f"stopped at {farthest_kpa(self.rows):.2f} kPa: {summary.reason}"
         job.progress.end(
             f"{job.label}: {how}; {summary.dofs} unknowns, {made} factorisations, {summary.time_s['total']:.1f} s"
         )
         return Run(summary, tuple(self.rows))
 
     def _add_warnings(self, measured: SolidMesh) -> None:
+        stretches = [(row.pressure_kpa, row.largest_stretch) for row in self.rows if row.status == "requested"]
+        self.notes += [WARNING + text for text in stretch_warnings(self.job.scene, stretches)]
         cells = mesh_quality(measured).boundary_only_cells
         if cells:
-            self.notes.append(f"warning: {cells} cells have all corners on the boundary: they lock")
+            self.notes.append(f"{WARNING}{cells} cells have all corners on the boundary: they lock")
         if not self.problem.conservative:
             self.notes.append(
-                "warning: the load is not conservative: unsymmetric tangent, unstable modes are not counted"
+                f"{WARNING}the load is not conservative: unsymmetric tangent, unstable modes are not counted"
             )
 
 
@@ -335,6 +358,8 @@ def path_row(item: PathState, tip: Tip | None, parts: int = 1, sense: float = 1.
         wall_s=item.wall_s,
         status="requested" if item.asked else "step",
         bond_slip_rms_mm=item.bond_slip_mm,
+        limit_kpa=sense * 1e3 * item.limit_mpa,
+        largest_stretch=item.newton.largest_stretch,
         residual=item.newton.residual,
     )
 

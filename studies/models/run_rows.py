@@ -59,9 +59,9 @@ def _state_rows(
     scene, level, main = run.summary.scene, run.summary.level, quantities[0]
     found = run.at(pressure_kpa)
     if found is None:
-        unit, status = STATE_QUANTITIES[main], value_status(run, math.nan, ".3f")
+        unit, status = STATE_QUANTITIES[main], value_status(run, pressure_kpa, math.nan, ".3f")
         return [row(scene, main, unit, pressure_kpa, model, math.nan, level, status=status)]
-    here = [c for c in contacts if math.isclose(float(c["pressure_kpa"]), pressure_kpa, rel_tol=1e-5)]
+    here = [c for c in contacts if math.isclose(float(c["pressure_kpa"]), pressure_kpa, rel_tol=1e-9)]
     touching = {
         "contact_force_n": sum(float(c["force_n"]) for c in here),
         "touching_places": float(sum(int(c["places"]) for c in here)),

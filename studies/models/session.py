@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,11 +11,14 @@ from typing import Generic, TypeVar
 from mpi4py import MPI
 
 from meshes.errors import GeometryError, MeshError
+from solvers.atomic import write_atomically
 from solvers.errors import SolverError
+from solvers.paths.orders import UNSTABLE
 from studies.models.axisymmetric import run_axisymmetric
 from studies.models.closed_form import run_closed_form
 from studies.models.full3d import SolidModel, run_full3d
-from studies.models.modes import COUNTED_LEVELS, WARNING
+from studies.models.modes import COUNTED_LEVELS
+from studies.models.run_log import WARNING, scene_notes
 from studies.models.tolerance import Shortfall, asked_of, finer_body, first_body, marked, shortfalls, until_good_enough
 from studies.models.tolerance import sentence as shortfall_sentence
 from studies.planning.bodies import models_of
@@ -24,11 +26,12 @@ from studies.planning.error_model import MERIDIAN_SHARE
 from studies.planning.levels import MODELS, BodyLevel, fineness, ranking
 from studies.planning.plan import Plan
 from studies.planning.planner import make_plan
+from studies.planning.warnings import LAW
 from studies.progress import Progress
 from studies.results.bellows_rows import bellows_rows
 from studies.results.expectations import expectation_rows, sentence
 from studies.results.rows import NOT_MET, Row, write_rows
-from studies.results.run_files import PATH_FILE, SUMMARY_FILE, read_summary, write_summary
+from studies.results.run_files import PATH_FILE, SUMMARY_FILE, read_summary, write_summary, write_text_atomically
 from studies.results.runs import MERIDIAN_ORDERS, Run, of_model, read_run, run_hash, tip_at, tip_convergence
 from studies.scene.bellows import BellowsScene
 from studies.scene.bodies import BodyScene
@@ -102,9 +105,20 @@ class SceneResult(Generic[SceneKind]):
         return tuple(r for r in self.rows if r.quantity in self.scene.quantities)
 
     @property
-    def unstable(self) -> tuple[str, ...]:
-        """Harmonics that the axisymmetric states lose, a sentence each."""
-        return tuple(n for run in self.axisymmetric for n in run.summary.plan if n.startswith(WARNING))
+    def warnings(self) -> tuple[str, ...]:
+        """The range of a law that softens, warnings of the answer, what states are unstable against."""
+        own = scene_notes(self.scene) if self.answer is None else self.answer.summary.plan
+        unstable = [n for run in self.axisymmetric for n in run.summary.plan if n.startswith(UNSTABLE)]
+        told = [*(n for n in own if n.startswith((LAW, WARNING))), *unstable, *self._unstable_states()]
+        return tuple(dict.fromkeys(told))
+
+    def _unstable_states(self) -> list[str]:
+        """Which of the answer's states are unstable by its own count, a sentence if any is."""
+        found = [row for row in self.answer.requested if row.unstable_modes > 0] if self.answer else []
+        if self.answer is None or not found:
+            return []
+        states = ", ".join(f"{row.pressure_kpa:.4g} kPa ({row.unstable_modes:g} modes)" for row in found)
+        return [f"{UNSTABLE} by the count of {self.answer.summary.model}: {states}"]
 
     @property
     def remark(self) -> str:
@@ -131,7 +145,9 @@ def run_plan(
     """
     if comm.rank == 0:
         folder.mkdir(parents=True, exist_ok=True)
-        (folder / SCENE_FILE).write_text(scene_text, encoding="utf-8")
+        write_text_atomically(folder / SCENE_FILE, scene_text)
+        _drop_others(scene, folder)
+    comm.barrier()
     work = (plan, folder, comm, progress)
     runs = _body_runs(scene, *work) if isinstance(scene, BodyScene) else _bellows_runs(scene, *work)
     result = _result(scene, runs, judged=not plan.fixed)
@@ -139,12 +155,24 @@ def run_plan(
         write_rows(folder / ROWS_FILE, result.rows)
         if result.answer is not None:
             summary = result.answer.summary
-            shutil.copyfile(folder / f"{summary.model}-{summary.level}" / PATH_FILE, folder / PATH_FILE)
+            of_answer = folder / f"{summary.model}-{summary.level}" / PATH_FILE
+            write_atomically(folder / PATH_FILE, of_answer.read_bytes())
             if result.missed and result.reached:
                 summary = replace(summary, status=NOT_MET, reason=result.reason)
             write_summary(folder, summary)
     comm.barrier()
     return result
+
+
+def _drop_others(scene: Scene, folder: Path) -> None:
+    """Take what is no run of this scene by this code out of its folder, where reports would find it beside those."""
+    for file in folder.glob(f"*-*/{SUMMARY_FILE}"):
+        try:
+            summary = read_summary(file.parent)
+        except (OSError, ValueError, KeyError, TypeError):
+            summary = None
+        if summary is None or summary.content_hash != run_hash(scene, summary.model, summary.level):
+            file.unlink()
 
 
 def run_all_models(

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import cast
 
 from studies.planning.bodies import models_of
-from studies.planning.error_model import FINER_ROUNDS, ROUNDS, cells_of, predicted_error_percent, predicted_unknowns
+from studies.planning.error_model import predicted_error_percent, predicted_unknowns, rounds_of
 from studies.planning.levels import (
     BODY_MERIDIANS,
     FINER_MERIDIANS,
@@ -192,7 +192,7 @@ def first_body(scene: BellowsScene, model: Model, wanted: BodyLevel, axisymmetri
     fewer = [
         BodyLevel(n, meridian)
         for meridian in BODY_MERIDIANS
-        for n in _rounds(scene, model)
+        for n in rounds_of(scene, model)
         if n <= wanted.around and meridian <= wanted.meridian
     ]
     small = [body for body in fewer if _small_enough(scene, model, body, axisymmetric)]
@@ -222,15 +222,9 @@ def finer_body(
     if known[-1] < 4 * level.meridian and following in (*MERIDIANS, *FINER_MERIDIANS):
         along += [f"r{following}"] if may_follow(axisymmetric, f"r{following}", "axisymmetric") else []
     along += [BodyLevel(level.around, 2 * level.meridian)] if 2 * level.meridian in known else []
-    more = [BodyLevel(n, level.meridian) for n in _rounds(scene, model) if n > level.around][:1]
+    more = [BodyLevel(n, level.meridian) for n in rounds_of(scene, model) if n > level.around][:1]
     ways = [*more, *along] if worst.uncertainty > 2.0 * flat else [*along, *more]
     return next((way for way in ways if isinstance(way, str) or _small_enough(scene, model, way, axisymmetric)), None)
-
-
-def _rounds(scene: BellowsScene, model: Model) -> list[int]:
-    """Numbers of cells round that a body may have, fewest first; a quarter takes a quarter of them."""
-    kind = cells_of(scene)
-    return [n for n in (*ROUNDS[kind], *FINER_ROUNDS[kind]) if model == "full3d" or n % 4 == 0]
 
 
 def _small_enough(scene: BellowsScene, model: Model, body: BodyLevel, axisymmetric: Sequence[Run]) -> bool:

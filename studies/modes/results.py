@@ -13,7 +13,7 @@ from studies.models.modes import COUNTED_LEVELS, FoundCrossing, counts_of
 from studies.models.modes_model import ModesModel
 from studies.results.body_rows import WITH_CORNERS
 from studies.results.rows import REACHED, Row, row
-from studies.results.runs import MERIDIAN_ORDERS, Run, value_status
+from studies.results.runs import MERIDIAN_ORDERS, Run, stopped_text, value_status
 from studies.results.uncertainty import UNKNOWN, Convergence, Orders, convergence
 from studies.scene.bodies import BodyScene
 
@@ -62,7 +62,7 @@ class SceneModes:
         for run in self.runs:
             label = f"{self.name}, {run.summary.level}"
             if run.summary.status != REACHED:
-                said.append(f"{label}: {value_status(run, math.nan)}")
+                said.append(f"{label}: {stopped_text(run)}")
             missing = [s.pressure_kpa for s in run.requested if not s.unstable_by_m]
             if missing:
                 said.append(f"{label}: modes are not counted at {', '.join(f'{p:g}' for p in missing)} kPa")
@@ -82,7 +82,7 @@ def count_rows(model: ModesModel, runs: Sequence[Run]) -> list[Row]:
         scene, level = model.scene.name, run.summary.level
         for m in WAVES:
             value = float(counts[m]) if counts else math.nan
-            status = value_status(run, value, ".6g")
+            status = value_status(run, pressure, value, ".6g")
             rows.append(row(scene, f"unstable_m{m}", "1", pressure, "axisymmetric", value, level, status=status))
     return rows
 

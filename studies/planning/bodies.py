@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from meshes.by_gmsh.user_mesh import read_user_mesh
-from studies.planning.levels import FINER_MERIDIANS, MERIDIANS, Model
+from meshes.solid import SolidMesh
+from studies.planning.levels import FINER_MERIDIANS, MERIDIANS, MOST_UNKNOWNS, Model
 from studies.planning.plan import Plan, tolerance_lines
 from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import CylinderGeometry, MeshGeometry, TubeGeometry
@@ -15,7 +16,9 @@ from studies.scene.sections import SceneError
 # of cells go with.
 MERIDIAN_LEVELS = tuple(f"r{m}" for m in MERIDIANS)
 AROUND_LEVELS = {"hexahedra": ("n8", "n16"), "tetrahedra": ("n12", "n16")}
-RING_LEVELS, BLOCK_LEVELS, USER_LEVELS = ("r1", "r2"), ("n2", "n3"), ("m1",)
+RING_LEVELS, BLOCK_LEVELS = ("r1", "r2"), ("n2", "n3")
+# A user's mesh as it is, and with its edges halved, if that has no more than `MOST_UNKNOWNS`; and for a tolerance.
+USER_LEVELS, FINER_USER = ("m1", "m2"), ("m4", "m8", "m16")
 COOK_LEVELS = ("n8", "n16", "n32")
 CYLINDER_LEVELS = {"hexahedra": ("n8", "n12", "n16"), "tetrahedra": ("n8", "n12", "n16")}
 # The same for a tolerance that these do not hold.
@@ -62,10 +65,14 @@ def models_of(scene: BodyScene) -> tuple[Model, ...]:
     """Models a scene has, the cheapest first."""
     g = scene.geometry
     if isinstance(g, MeshGeometry):
-        return ("axisymmetric",) if read_user_mesh(Path(g.file), g.scale).dimension == 2 else ("full3d",)
+        return ("axisymmetric",) if _mesh(g).dimension == 2 else ("full3d",)
     if g.kind == "ring":
         return ("sector",)
     return ("full3d",) if g.kind in ("block", "cook", "cylinder") else ("axisymmetric", "sector", "full3d")
+
+
+def _mesh(g: MeshGeometry) -> SolidMesh:
+    return read_user_mesh(Path(g.file), g.scale)
 
 
 def cells_of(scene: BodyScene, model: str) -> str:
@@ -82,14 +89,18 @@ def _levels(scene: BodyScene, model: Model) -> tuple[str, ...]:
         return CYLINDER_LEVELS[cells_of(scene, model)]
     if kind in ("tube", "sphere", "ventricle"):
         return MERIDIAN_LEVELS if model == "axisymmetric" else AROUND_LEVELS[cells_of(scene, model)]
-    return {"ring": RING_LEVELS, "block": BLOCK_LEVELS, "cook": COOK_LEVELS, "mesh": USER_LEVELS}[kind]
+    if isinstance(scene.geometry, MeshGeometry):
+        mesh = _mesh(scene.geometry)
+        halved = len(mesh.points) * mesh.dimension * 2**mesh.dimension
+        return USER_LEVELS if halved <= MOST_UNKNOWNS[model] else USER_LEVELS[:1]
+    return {"ring": RING_LEVELS, "block": BLOCK_LEVELS, "cook": COOK_LEVELS}[kind]
 
 
 def _finer(scene: BodyScene, model: Model) -> tuple[str, ...]:
     kind = scene.geometry.kind
     if model == "axisymmetric" and kind != "mesh":
         return tuple(f"r{m}" for m in FINER_MERIDIANS)
-    return {"ring": FINER_RINGS, "block": FINER_BLOCKS, "cook": FINER_COOK, "mesh": ()}.get(kind, FINER_AROUND)
+    return {"ring": FINER_RINGS, "block": FINER_BLOCKS, "cook": FINER_COOK, "mesh": FINER_USER}.get(kind, FINER_AROUND)
 
 
 def _skipped(scene: BodyScene, model: Model) -> list[str]:
@@ -106,8 +117,13 @@ def _skipped(scene: BodyScene, model: Model) -> list[str]:
         skipped.append(SLICE)
     if isinstance(g, TubeGeometry) and g.ends == "capped":
         skipped.append("the cap: a level plate on a stiff layer that moves the bore by 1e-5 of it at most, as ± says")
-    if g.kind == "mesh":
-        skipped.append("a second mesh: the discretisation's uncertainty is not known from one")
+    if isinstance(g, MeshGeometry):
+        skipped.append("the shape's own error: refined meshes keep the shape of the one given, and ± is of that shape")
+        if len(_levels(scene, model)) == 1:
+            skipped.append(
+                f"a refined mesh, without which ± is not known: of {len(_mesh(g).points)} nodes it would have more "
+                f"than {MOST_UNKNOWNS[model]:,} unknowns"
+            )
     return skipped
 
 

@@ -226,8 +226,18 @@ def around_for(scene: BellowsScene, model: str) -> int:
     """The smallest of `ROUNDS` that leaves the circumference its share of the scene's tolerance, or the largest."""
     cells = cells_of(scene)
     allowed = AROUND_SHARE * scene.ask.tolerance_percent
-    shared_out = [n for n in ROUNDS[cells] if model != "sector" or n % 4 == 0]  # a quarter takes a quarter of them
-    return next((n for n in shared_out if AROUND[cells].at(n) <= allowed), shared_out[-1])
+    few = [n for n in rounds_of(scene, model) if n <= ROUNDS[cells][-1]]
+    return next((n for n in few if AROUND[cells].at(n) <= allowed), few[-1])
+
+
+def rounds_of(scene: BellowsScene, model: str) -> list[int]:
+    """Numbers of cells round that a body may have, fewest first.
+
+    A quarter takes a quarter of them; cells of a cap meet on its axis in pairs.
+    """
+    kind = cells_of(scene)
+    parts = 1 if model == "full3d" else 8 if scene.geometry.tip == "cap" else 4
+    return [n for n in (*ROUNDS[kind], *FINER_ROUNDS[kind]) if n % parts == 0]
 
 
 def candidates(scene: BellowsScene, model: Model) -> list[str]:

@@ -1,6 +1,7 @@
 """Models and names of their meshes: ``r4`` is a meridian refined four times, ``n8r2`` a body with 8 cells round on r2.
 
-In a name r refines the meridian and n is the number of cells round the whole circumference (of a cube: along an edge).
+In a name r refines the meridian, m a user's mesh, and n is the number of cells round the whole circumference (of a
+cube: along an edge).
 """
 
 from __future__ import annotations
@@ -58,6 +59,6 @@ def fineness(level: str) -> int:
 
 
 def ranking(level: str) -> tuple[int, int]:
-    """By what levels of a model are put in order: refinement of the meridian, then cells round."""
-    numbers = {letter: int(number) for letter, number in re.findall(r"([rn])(\d+)", level)}
-    return numbers.get("r", 1), numbers.get("n", 0)
+    """By what levels of a model are put in order: refinement of the meridian or mesh, then cells round."""
+    numbers = {letter: int(number) for letter, number in re.findall(r"([rnm])(\d+)", level)}
+    return numbers.get("r", numbers.get("m", 1)), numbers.get("n", 0)

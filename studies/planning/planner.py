@@ -7,6 +7,7 @@ from studies.planning.bodies import body_lines, plan_body
 from studies.planning.error_model import explain
 from studies.planning.levels import Model
 from studies.planning.plan import Plan
+from studies.planning.warnings import law_ranges, scene_warnings
 from studies.scene.bellows import BellowsScene
 from studies.scene.bodies import BodyScene
 from studies.scene.load import Scene
@@ -34,6 +35,8 @@ def describe(scene: Scene, plan: Plan) -> str:
     """The plan as text for a terminal."""
     lines = [f"{scene.name}: {scene.title}"]
     lines += body_lines(scene, plan) if isinstance(scene, BodyScene) else bellows_lines(scene, plan)
+    lines += law_ranges(scene)
+    lines += [f"warning: {text}" for text in scene_warnings(scene)]
     lines += [f"skipped: {reason}" for reason in plan.skipped]
     if plan.choice is not None and isinstance(scene, BellowsScene):
         lines += explain(scene, plan.choice)

@@ -33,6 +33,7 @@ QUANTITIES: Mapping[str, str] = {
     "tip_mm": "axial displacement of the tip",
     "tip_centre_mm": "axial displacement of the tip's centre",
     "tip_force_n": "force at the blocked tip",
+    "reaction_n": "axial force of the support",
     "torque_nmm": "torque",
     "axial_force_n": "axial force",
     "corner_mm": "displacement of the corner",

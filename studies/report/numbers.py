@@ -6,14 +6,14 @@ import math
 import re
 from collections.abc import Mapping
 
-from studies.results.rows import NOT_MET, REACHED, Row, difference_percent
+from studies.results.rows import NOT_MET, REACHED, Row, difference_percent, snap_of
 
 MISSING, MINUS = "–", "\N{MINUS SIGN}"
 
 # How the value of a quantity is written; the others with four digits. The # keeps zeros that end a number.
 FORMATS: Mapping[str, str] = {"unstable_modes": ".0f", "min_det_f": "#.3g"}
 
-_STOPPED = re.compile(r"stopped at ([-+.\deE]+) kPa")
+_STOPPED = re.compile(r"(?:stopped|no state) at ([-+.\deE]+) kPa")
 
 
 def is_printed(row: Row) -> bool:
@@ -33,6 +33,7 @@ def value_text(row: Row | None) -> str:
     text = f"{row.value:.{digits}f}"
     text = f"{text}{unit}" if math.isnan(row.uncertainty) else f"{text} ± {up(row.uncertainty, digits)}{unit}"
     state = short_status(row.status).removeprefix(REACHED).strip(", ")
+    state = f"{state}, {snap_of(row)}" if state == NOT_MET and snap_of(row) else state
     return f"{text} ({state})" if state else text
 
 
@@ -45,7 +46,7 @@ def quantity_text(row: Row) -> str:
         text += f" ± {rounded_up(row.uncertainty, 2):.2g}"
     if math.isfinite(row.error_percent):
         text += f" ({signed(row.error_percent)} % from {row.reference:g})"
-    return text
+    return ", ".join(filter(None, [text, snap_of(row)]))
 
 
 def short_status(status: str) -> str:

@@ -125,9 +125,12 @@ def _curves(scene: SceneReport) -> list[Curve]:
         bars = [row.uncertainty for row in reached]
         force = quantity_of(scene) == TIP_FORCE
         states = finest_path(scene, model)
+        loaded = not force and bool(states) and abs(states[-1].tip_force_n) > 0.0
+        if loaded:  # states before the whole force was on are of other loads
+            states = [s for s in states if s.tip_force_n == states[-1].tip_force_n]
         path = [(state.pressure_kpa, state.tip_force_n if force else state.tip_mm) for state in states]
         if model == "axisymmetric" and path:
-            points, bars = _from_rest(path), []
+            points, bars = path if loaded else _from_rest(path), []
         elif not model.startswith("paper_") and model != "full3d":
             points, bars = _from_rest(points), []
         stop = next((row.status for row in rows if not is_reached(row)), "")

@@ -24,7 +24,13 @@ from studies.results.uncertainty import SAFETY_IN_DOUBT
 from studies.scene.bellows import BellowsScene, TipQuantity
 
 UNITS: dict[TipQuantity, str] = {"tip_mm": "mm", "tip_force_n": "N"}
-CHECKS = {"unstable_modes": "1", "min_det_f": "1", "bond_slip_rms_mm": "mm", "tip_centre_mm": "mm"}
+CHECKS = {
+    "unstable_modes": "1",
+    "min_det_f": "1",
+    "largest_stretch": "1",
+    "bond_slip_rms_mm": "mm",
+    "tip_centre_mm": "mm",
+}
 
 
 def bellows_rows(scene: BellowsScene, runs: Sequence[Run]) -> list[Row]:
@@ -86,12 +92,12 @@ def _rows_at(scene: BellowsScene, quantity: TipQuantity, pressure: float, runs: 
             add(model, value, status=status)
     for run in axisymmetric:
         value = tip_at(run, pressure, quantity)
-        add("axisymmetric", value, run.summary.level, meridian.uncertainty(value), value_status(run, value))
+        add("axisymmetric", value, run.summary.level, meridian.uncertainty(value), value_status(run, pressure, value))
     for run in bodies:
         value = tip_at(run, pressure, quantity)
         base = tip_at(_on_meridian(run, axisymmetric), pressure, quantity)
         spread = meridian.uncertainty(base) + _error_around(scene, run, bodies, base, pressure, quantity)
-        add(run.summary.model, value, run.summary.level, spread, value_status(run, value))
+        add(run.summary.model, value, run.summary.level, spread, value_status(run, pressure, value))
     printed = printed_elongation(scene)
     if printed is not None and math.isclose(pressure, paper.PRINTED_PRESSURE_KPA):
         add("paper_closed_form", 10.0 * printed.closed_form_cm)

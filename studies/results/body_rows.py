@@ -14,12 +14,12 @@ from studies.scene.bodies import LIMIT_VOLUME, BodyScene
 from studies.scene.body_geometry import TubeGeometry
 
 # Orders to expect: quadratic displacements have an error of the third; where an end is held the wall has corners, and
-# three levels of a bonded tube show an order of 1.3.
+# three levels of a bonded tube show an order of 1.3. A user's mesh may have corners anywhere.
 SMOOTH, WITH_CORNERS = Orders(3.0), Orders(3.0, EDGE_ORDER)
 # By so much of the bore the layer under a tube's cap moves it at most, however fine the mesh (docs/decisions.md).
 CAP_SHARE = 1e-5
-UNITS = {"volume_mm3": "mm3", "torque_nmm": "N mm", "axial_force_n": "N"}
-CHECKS = {"unstable_modes": "1", "min_det_f": "1"}
+UNITS = {"volume_mm3": "mm3", "torque_nmm": "N mm", "axial_force_n": "N", "tip_force_n": "N", "reaction_n": "N"}
+CHECKS = {"unstable_modes": "1", "min_det_f": "1", "largest_stretch": "1"}
 # What is read off whole paths, not at single loads; all in kPa.
 OF_PATHS = ("limit_kpa", "crossing_kpa")
 
@@ -42,12 +42,13 @@ def _rows_at(scene: BodyScene, runs: Sequence[Run], load: float) -> list[Row]:
     measured = dict.fromkeys(name for run in runs for values in run.measured.values() for name in values)
     wanted = [q for q in scene.quantities if q not in OF_PATHS]
     for quantity in [*wanted, *(name for name in measured if name not in wanted)]:
-        known, unit = known_value(scene, quantity, load), UNITS.get(quantity, "mm")
+        known = known_value(scene, quantity, load)
+        unit = UNITS.get(quantity, "deg" if quantity.endswith("_deg") else "mm")
         found = [run.measured_at(load, quantity) for run in runs]
         spread = _convergence(scene, runs, found)
         for run, value in zip(runs, found, strict=True):
             at = (scene.name, quantity, unit, load, run.summary.model, value, run.summary.level)
-            rows.append(row(*at, spread.uncertainty(value), *known, value_status(run, value, ".6g")))
+            rows.append(row(*at, spread.uncertainty(value), *known, value_status(run, load, value, ".6g")))
     return rows + state_rows(scene.name, runs[-1], load, CHECKS)
 
 
@@ -83,9 +84,8 @@ def _convergence(scene: BodyScene, runs: Sequence[Run], values: Sequence[float])
     """Convergence over the finest levels that have a value."""
     g = scene.geometry
     ends = g.ends if isinstance(g, TubeGeometry) else ""
-    found = run_convergence(
-        runs, values, WITH_CORNERS if g.kind in ("cook", "ventricle") or ends == "bonded" else SMOOTH
-    )
+    corners = g.kind in ("cook", "ventricle", "mesh") or ends == "bonded"
+    found = run_convergence(runs, values, WITH_CORNERS if corners else SMOOTH)
     if ends != "capped":
         return found
     return replace(found, doubt=found.doubt + CAP_SHARE * max(map(abs, filter(math.isfinite, values)), default=0.0))

@@ -156,7 +156,10 @@ def validity_notes(scene: BellowsScene) -> list[str]:
         return ["The closed form has no force on its tip."]
     if scene.load.sense < 0.0:
         return ["The closed form has no vacuum."]
-    answer = closed_form(dimensions, law, np.array(scene.load.pressure_kpa))
+    try:
+        answer = closed_form(dimensions, law, np.array(scene.load.pressure_kpa))
+    except BellowsError as error:
+        return [*notes, f"The closed form has no answer up to {scene.load.pressure_kpa[-1]:g} kPa: {error}."]
     unfolding_kpa = float(answer.unfolding_pressure_kpa[0])
     if unfolding_kpa <= scene.load.pressure_kpa[-1]:
         notes.append(

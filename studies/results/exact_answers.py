@@ -10,6 +10,7 @@ from analytical.exact.cube import CubeError
 from analytical.exact.ring import RingError
 from analytical.exact.sphere import SphereError
 from analytical.exact.tube import TubeError
+from analytical.laws.stability import stable_stretches
 from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import (
     CookGeometry,
@@ -54,6 +55,9 @@ def known_value(scene: BodyScene, quantity: str, load_kpa: float) -> Answer:
     if isinstance(g, CylinderGeometry) and inverse_kappa(scene.material) == 0.0:
         body = torsion.TwistedCylinder(g.radius_mm, scene.load.twist_rad_per_mm or 0.0)
         law, source = law_of(scene.material), "exact: torsion of an incompressible cylinder (Rivlin 1949)"
+        shear = 0.5 * abs(body.twist_rad_per_mm) * g.radius_mm
+        if shear + math.hypot(1.0, shear) > stable_stretches(law)["pure shear"]:
+            return NONE
         return (torsion.torque_nmm if quantity == "torque_nmm" else torsion.axial_force_n)(body, law), source
     if isinstance(g, CookGeometry) and scene.material == COOK_MATERIAL and load_kpa == COOK_KPA:
         return COOK_CORNER_MM, "own: limit of refined meshes"
@@ -63,8 +67,22 @@ def known_value(scene: BodyScene, quantity: str, load_kpa: float) -> Answer:
 
 
 def exact_bore_mm(scene: BodyScene, load_kpa: float) -> Answer:
-    """Radial displacement of the bore at a load, mm, and where it comes from; of a ring, while it is round."""
-    g, load = scene.geometry, 1e-3 * load_kpa
+    """Radial displacement of the bore at a load, mm, and where it comes from; of a ring, while it is round.
+
+    None where the law is no longer stable at the bore.
+    """
+    value, source = _bore_by_law(scene, 1e-3 * load_kpa)
+    g = scene.geometry
+    if isinstance(g, TubeGeometry | RingGeometry | SphereGeometry):
+        stretch = 1.0 + value / g.inner_radius_mm
+        mode = "equibiaxial" if isinstance(g, SphereGeometry) else "pure shear"
+        if max(stretch, 1.0 / stretch) > stable_stretches(law_of(scene.material))[mode]:
+            return NONE
+    return value, source
+
+
+def _bore_by_law(scene: BodyScene, load: float) -> Answer:
+    g = scene.geometry
     try:
         if isinstance(g, TubeGeometry) and g.ends != "bonded":
             return _tube_bore(scene, tube.Tube(g.inner_radius_mm, g.outer_radius_mm), g.ends, load)
@@ -97,7 +115,11 @@ def _sphere_bore(scene: BodyScene, body: sphere.Sphere, load: float) -> Answer:
     if softness > 0.0:
         found = compressible.state_at_pressure(body, law, 1.0 / softness, load)
         return found.inner_mm - body.inner_radius_mm, "exact: compressible sphere"
-    return sphere.inner_radius_at_pressure_mm(body, law, load) - body.inner_radius_mm, "exact: sphere"
+    limit = sphere.limit_point(body, law)
+    if limit is None or load <= limit.pressure_mpa:
+        return sphere.inner_radius_at_pressure_mm(body, law, load) - body.inner_radius_mm, "exact: sphere"
+    beyond = sphere.inner_radius_beyond_limit_mm(body, law, load) - body.inner_radius_mm
+    return beyond, "exact: sphere beyond its limit point"
 
 
 def _ring_bore(scene: BodyScene, body: tube.Tube, load: float) -> Answer:
@@ -134,7 +156,9 @@ def exact_crossing_kpa(scene: BodyScene) -> Answer:
             return 1e3 * nominal, f"exact: dead pressure, {g.waves} waves, per undeformed area"
         if isinstance(g, SphereGeometry):
             limit = sphere.limit_point(sphere.Sphere(g.inner_radius_mm, g.outer_radius_mm), law)
-            return (1e3 * limit.pressure_mpa, "exact: limit point of the sphere") if limit is not None else NONE
+            if limit is None or limit.inner_mm > stable_stretches(law)["equibiaxial"] * g.inner_radius_mm:
+                return NONE
+            return 1e3 * limit.pressure_mpa, "exact: limit point of the sphere"
         if g.kind == "block":
             return 1e3 * cube.trivial_limit_mpa(law), "exact: Rivlin's cube, T = 2 mu"
     except (RingError, SphereError, CubeError):

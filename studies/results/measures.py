@@ -30,7 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from meshes.cells import QUADRILATERAL_NODES, TRIANGLE_EDGES, CellKind, CellShape
+from meshes.cells import CellKind, CellShape
 from meshes.meridian import Band, bellows_band, default_resolution
 from meshes.solid import REGIONS, FloatArray, IntArray
 from solvers.state import State
@@ -226,7 +226,7 @@ def largest_stretches(places: Places, displacement_mm: FloatArray) -> FloatArray
     In the meridian plane, of the mean of the right Cauchy-Green tensors of the cells at a node.
     """
     cells = places.cells
-    slopes = places.cell.shape(_node_places(places.cell))[1]
+    slopes = places.cell.shape(places.cell.nodes)[1]
     before, after = (  # derivatives of the positions in the reference cell, shape (cells, nodes of a cell, 2, 2)
         np.moveaxis(np.tensordot(x[cells], slopes, (1, 1)), 1, 2)
         for x in (places.points, places.points + displacement_mm)
@@ -246,14 +246,6 @@ def largest_stretches(places: Places, displacement_mm: FloatArray) -> FloatArray
     silicone = np.unique(at)
     hoop[silicone] = hoop_stretches(places.points, displacement_mm)[silicone]
     return np.maximum(in_plane, hoop)
-
-
-def _node_places(cell: CellShape) -> FloatArray:
-    """Nodes of the reference cell, shape (nodes, 2)."""
-    if cell.name == "quadrilateral":
-        return 0.5 * QUADRILATERAL_NODES
-    corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-    return np.vstack([corners, [corners[list(edge)].mean(axis=0) for edge in TRIANGLE_EDGES]])
 
 
 def curve_length(points: FloatArray) -> FloatArray:

@@ -14,6 +14,8 @@ REACHED = "reached"
 FOLDED_BACK = "reached, folded back"
 # The load was reached, but the value is not as certain as was asked.
 NOT_MET = "tolerance not met"
+# Stands, with its pressure, in the status of a state beyond a limit point.
+AFTER_SNAP = "after a snap"
 
 
 @dataclass(frozen=True)
@@ -44,8 +46,8 @@ class Row:
     error_percent
         100 (value - reference) / |reference|; NaN without a reference.
     status
-        ``reached`` (and, of a closed form, in which state if not folded), ``stopped at … kPa: why``, or
-        ``tolerance not met: ± … % reached, … % asked``.
+        ``reached`` (and, of a closed form, in which state if not folded, or beyond a limit point after which snap),
+        ``stopped at … kPa: why``, ``no state at … kPa: why``, or ``tolerance not met: ± … % reached, … % asked``.
     """
 
     scene: str
@@ -88,6 +90,12 @@ def difference_percent(value: float, reference: float) -> float:
 def is_reached(entry: Row) -> bool:
     """True unless a run stopped before the row's pressure, or a closed form has no answer there; however certain."""
     return entry.status.startswith((REACHED, NOT_MET))
+
+
+def snap_of(entry: Row) -> str:
+    """After which snap a state is; empty if after none."""
+    _, found, pressure = entry.status.partition(AFTER_SNAP)
+    return found + pressure
 
 
 def misses_tolerance(entry: Row) -> bool:

@@ -30,7 +30,9 @@ class PathRow:
     ``tip_force_n`` is the axial force of the actuator on what holds or loads its tip, positive outwards: 0 for a free
     tip, minus the scene's dead force (which is positive when it pulls). ``reaction_n`` is that of the support on the
     actuator, so that ``reaction_n + P A = tip_force_n`` with the inlet's area A. ``control`` says what was held in the
-    solve; ``status`` is ``requested`` for states at requested pressures, ``step`` for those between.
+    solve; ``status`` is ``requested`` for states at requested pressures, ``step`` for those between. ``limit_kpa`` is
+    the pressure of the limit point that the path has passed before the state, from which a body under pressure snaps.
+    ``largest_stretch`` is that of the elastomer at quadrature points, corners where it is singular included.
     ``residual`` is that of the accepted state relative to its load: above 1e-8 where it had stalled
     (`solvers.equilibrium.newton.NewtonSettings`).
     """
@@ -51,7 +53,9 @@ class PathRow:
     wall_s: float
     status: str
     bond_slip_rms_mm: float
+    limit_kpa: float = math.nan
     residual: float = math.nan
+    largest_stretch: float = math.nan
 
 
 @dataclass(frozen=True)

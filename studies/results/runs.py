@@ -11,7 +11,7 @@ from pathlib import Path
 
 from studies.planning.levels import fineness
 from studies.results import provenance
-from studies.results.rows import REACHED, Row, row
+from studies.results.rows import AFTER_SNAP, REACHED, Row, row
 from studies.results.run_files import PathRow, RunSummary, read_path, read_summary, write_text_atomically
 from studies.results.uncertainty import EDGE_ORDER, Convergence, Orders, convergence
 from studies.scene.bellows import TipQuantity, without_eccentricity
@@ -106,14 +106,26 @@ def of_model(runs: Sequence[Run], model: str) -> tuple[Run, ...]:
     return tuple(run for run in runs if run.summary.model == model)
 
 
-def value_status(run: Run, value: float, digits: str = ".2f") -> str:
-    """``reached``, or where and why the run stopped before it had a value."""
-    return stopped_text(run, digits) if math.isnan(value) else REACHED
+def value_status(run: Run, load_kpa: float, value: float, digits: str = ".2f") -> str:
+    """``reached``, and beyond which limit point; or where and why the run stopped, or had no state, before."""
+    if math.isnan(value):
+        passed = any(abs(row.pressure_kpa) > abs(load_kpa) for row in run.requested)
+        return f"no state at {load_kpa:.6g} kPa: {run.summary.reason}" if passed else stopped_text(run, digits)
+    state = run.at(load_kpa)
+    beyond = math.nan if state is None else state.limit_kpa
+    return REACHED if math.isnan(beyond) else f"{REACHED}, {AFTER_SNAP} at {beyond:.4g} kPa"
+
+
+def farthest_kpa(path: Sequence[PathRow]) -> float:
+    """Load of a path's last state; beyond a limit point the limit's, as the pressure has fallen since."""
+    if not path:
+        return 0.0
+    return path[-1].pressure_kpa if math.isnan(path[-1].limit_kpa) else path[-1].limit_kpa
 
 
 def stopped_text(run: Run, digits: str = ".2f") -> str:
-    """Where and why a run stopped, as a status."""
-    last = run.path[-1].pressure_kpa if run.path else 0.0
+    """Where and why a run stopped, as a status: beyond a limit point, at that."""
+    last = farthest_kpa(run.path)
     return f"stopped at {last:{digits}} kPa: {run.summary.reason}"
 
 

@@ -15,8 +15,25 @@ from meshes.by_gmsh.ring import RingShape
 from meshes.errors import GeometryError
 from meshes.shape import BellowsShape
 from studies.scene.elements import Mesh, element_faults
-from studies.scene.materials import NeoHookeMaterial, OgdenMaterial, YeohMaterial, describe_material, material_faults
-from studies.scene.sections import APART, Length, Section, Stiffness, is_ascending
+from studies.scene.materials import (
+    NeoHookeMaterial,
+    OgdenMaterial,
+    YeohMaterial,
+    describe_material,
+    material_faults,
+    small_load_faults,
+)
+from studies.scene.sections import (
+    APART,
+    LARGEST_VOLUME,
+    LargestVolume,
+    Length,
+    Order,
+    Section,
+    Stiffness,
+    is_ascending,
+    order_faults,
+)
 
 # A bond meant as rigid is a layer this stiff, MPa/mm: its slip is at most 0.003 mm at 20 kPa, and tips are within
 # 0.005 % of those with meshed PLA rings, which share their nodes with the wall (make study-paper; docs/decisions.md).
@@ -109,13 +126,16 @@ class Load(Section):
 
     A blocked tip is held axially: the whole rim of a cap's distal face, which may slide and widen as on a wall without
     friction, or a rigid plate with all its motions. ``tip_force_n`` is a dead axial force on a free rigid plate,
-    positive pulls it outwards.
+    positive pulls it outwards. ``order`` is that of force and pressure (`solvers.paths.orders`): a payload that
+    only the pressure can carry is lifted ``pressure-first``, as ``auto`` does where the force alone crushes it.
     """
 
     pressure_kpa: Annotated[list[Annotated[float, Field(allow_inf_nan=False)]], Field(min_length=1)]
     control: Literal["auto", "pressure", "volume", "arc"] = "auto"
     tip: Literal["free", "blocked"] = "free"
     tip_force_n: Annotated[float, Field(allow_inf_nan=False)] = 0.0
+    order: Order = "auto"
+    largest_volume: LargestVolume = LARGEST_VOLUME  # the path ends at so many times the unloaded volume
 
     @model_validator(mode="after")
     def _away_from_zero(self) -> Load:
@@ -310,6 +330,7 @@ def bellows_faults(scene: BellowsScene) -> list[str]:
         )
     faults += _tip_faults(scene)
     faults += _core_faults(scene)
+    faults += small_load_faults(scene.material, scene.load.pressure_kpa, "load.pressure_kpa")
     return faults + material_faults(scene.material, abs(scene.load.pressure_kpa[-1]), "load.pressure_kpa")
 
 
@@ -318,6 +339,7 @@ def _tip_faults(scene: BellowsScene) -> list[str]:
     given = f"load.tip_force_n = {scene.load.tip_force_n:g}"
     if scene.load.tip_force_n and scene.blocked:
         faults.append(f'{given}: a blocked tip takes no force: it must be 0, or load.tip = "free"')
+    faults += order_faults(scene.load.order, scene.load.tip_force_n)
     if scene.load.tip_force_n and scene.geometry.tip != "rigid":
         faults.append(f'{given}: a force acts on a rigid plate: set geometry.tip = "rigid"')
     if "tip_force_n" in scene.ask.quantities and not scene.blocked:

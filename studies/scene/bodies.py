@@ -18,13 +18,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Literal, get_args
 
 from pydantic import Field, model_validator
 
-from meshes.by_gmsh.user_mesh import read_user_mesh
 from meshes.errors import MeshError
-from meshes.solid import FACETS
 from studies.scene.body_geometry import (
     BlockGeometry,
     CookGeometry,
@@ -44,8 +42,10 @@ from studies.scene.materials import (
     YeohMaterial,
     describe_material,
     material_faults,
+    small_load_faults,
 )
-from studies.scene.sections import APART, Section, is_ascending
+from studies.scene.sections import APART, LARGEST_VOLUME, LargestVolume, Order, Section, is_ascending, order_faults
+from studies.scene.users_mesh import mesh_faults
 
 Load_kPa = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Quantity = Literal[
@@ -55,6 +55,8 @@ Quantity = Literal[
     "volume_mm3",
     "displacement_max_mm",
     "tip_mm",
+    "tip_force_n",
+    "reaction_n",
     "torque_nmm",
     "axial_force_n",
     "corner_mm",
@@ -74,6 +76,10 @@ class BodyLoad(Section):
     ``kind``: ``cavity``, a pressure from inside; ``external``, one from outside, both following the surface; ``dead``,
     fixed in size per undeformed area and in direction: a pressure from outside on a ring, a tension on a block, a shear
     traction on Cook's membrane. A cylinder is twisted by so much per undeformed length, without pressure.
+
+    The surface named tip of a user's mesh may be ``blocked``: held axially, its points free to slide as on a wall
+    without friction, or, of a rigid tip, with all its motions. ``tip_force_n`` is a dead axial force on a free tip (on
+    as much of it as is meshed), positive pulls it along z: on a rigid tip, or through a level plate without friction.
     """
 
     kind: Literal["cavity", "external", "dead"] | None = None
@@ -82,6 +88,10 @@ class BodyLoad(Section):
     traction_kpa: Annotated[list[Load_kPa], Field(min_length=1)] | None = None
     twist_rad_per_mm: Annotated[float, Field(ge=-1.0, le=1.0)] | None = None
     control: Literal["auto", "pressure", "volume", "arc"] = "auto"
+    order: Order = "auto"
+    largest_volume: LargestVolume = LARGEST_VOLUME  # the path ends at so many times the unloaded volume
+    tip: Literal["free", "blocked"] = "free"
+    tip_force_n: Annotated[float, Field(allow_inf_nan=False)] = 0.0
 
     @model_validator(mode="after")
     def _ascending(self) -> BodyLoad:
@@ -110,7 +120,7 @@ QUANTITIES: dict[str, tuple[Quantity, ...]] = {
     "cylinder": ("torque_nmm", "axial_force_n"),
     "cook": ("corner_mm",),
     "ventricle": ("apex_inside_mm", "apex_outside_mm"),
-    "mesh": ("volume_mm3", "displacement_max_mm", "tip_mm"),
+    "mesh": ("volume_mm3", "displacement_max_mm", "tip_mm", "tip_force_n", "reaction_n"),
 }
 LOADS = {
     "tube": ("cavity",),
@@ -124,13 +134,21 @@ LOADS = {
 }
 
 
+AnyMaterial = Annotated[YeohMaterial | OgdenMaterial | NeoHookeMaterial | GuccioneMaterial, Field(discriminator="law")]
+
+
 class BodyScene(Section):
-    """A whole scene."""
+    """A whole scene.
+
+    ``materials`` has a table for each physical volume of a user's mesh (surface of a meridian) that is not of
+    ``material``: ``[materials.NAME]``.
+    """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$")]
     geometry: Annotated[Geometry, Field(discriminator="kind")]
     mesh: Mesh = Mesh()
-    material: Annotated[YeohMaterial | OgdenMaterial | NeoHookeMaterial | GuccioneMaterial, Field(discriminator="law")]
+    material: AnyMaterial
+    materials: dict[str, AnyMaterial] = {}
     load: BodyLoad
     ask: BodyAsk = BodyAsk()
 
@@ -155,7 +173,8 @@ class BodyScene(Section):
     @property
     def title(self) -> str:
         """One line for headings."""
-        return f"{_body(self)}, {describe_material(self.material)}"
+        others = "".join(f"; {name}: {describe_material(of)}" for name, of in self.materials.items())
+        return f"{_body(self)}, {describe_material(self.material)}{others}"
 
 
 def _body(scene: BodyScene) -> str:
@@ -212,14 +231,28 @@ def body_faults(scene: BodyScene) -> list[str]:
     faults += element_faults(scene.mesh, scene.material.kappa_over_mu)
     if isinstance(g, MeshGeometry):
         try:
-            mesh = read_user_mesh(Path(g.file), g.scale)
-            if "tip_mm" in scene.quantities and not has_surface(mesh.facet_tags, "tip"):
-                faults.append("ask.quantities = 'tip_mm': no surface of the mesh is named 'tip'")
-            faults += _free_motions(mesh.facet_tags, mesh.dimension)
+            faults += mesh_faults(g, load.tip, load.tip_force_n, scene.quantities, list(scene.materials))
         except MeshError as error:
             faults.append(f"geometry.file: {error}")
+    else:
+        faults += [f"materials.{name}: a {g.kind} is of one material: leave the table out" for name in scene.materials]
+        if load.tip != "free" or load.tip_force_n:
+            given = f"load.tip_force_n = {load.tip_force_n:g}" if load.tip_force_n else f"load.tip = {load.tip!r}"
+            faults.append(f"{given}: of a bellows or a user's mesh: leave the key out")
     highest = scene.loads_kpa[-1] if scene.loads_kpa else 0.0
-    return faults + material_faults(scene.material, highest, f"load.{right}")
+    faults += order_faults(load.order, load.tip_force_n)
+    faults += small_load_faults(scene.material, scene.loads_kpa, f"load.{right}")
+    return faults + _material_faults(scene, highest, f"load.{right}")
+
+
+def _material_faults(scene: BodyScene, highest_kpa: float, key: str) -> list[str]:
+    """What is wrong with the laws; a load is too high if it is for each of them."""
+    every = {"material": scene.material, **{f"materials.{name}": of for name, of in scene.materials.items()}}
+    found = {name: material_faults(material, highest_kpa, key) for name, material in every.items()}
+    own = [(name, fault) for name, faults in found.items() for fault in faults]
+    loads = [fault for _, fault in own if not fault.startswith("material")]
+    laws = [f"{name}{fault.removeprefix('material')}" for name, fault in own if fault.startswith("material")]
+    return laws + (loads[:1] if len(loads) == len(found) else [])
 
 
 def _ventricle_faults(g: VentricleGeometry) -> list[str]:
@@ -231,25 +264,6 @@ def _ventricle_faults(g: VentricleGeometry) -> list[str]:
     if g.base_mm >= g.inner_along_mm:
         faults.append(f"geometry.base_mm = {g.base_mm:g}: must be less than inner_along_mm = {g.inner_along_mm:g}")
     return faults
-
-
-def has_surface(tags: Any, name: str) -> bool:
-    """True if a mesh's facets have a name."""
-    return bool((tags == FACETS[name]).any())
-
-
-def _free_motions(tags: Any, dimension: int) -> list[str]:
-    """Directions in which nothing holds a user's mesh."""
-    if has_surface(tags, "clamped"):
-        return []
-    along: dict[str, tuple[str, ...]] = {"z": ("symmetry_z", "bottom", "top")}
-    if dimension == 3:
-        along = {"x": ("symmetry_x",), "y": ("symmetry_y",), **along}
-    free = [axis for axis, names in along.items() if not any(has_surface(tags, name) for name in names)]
-    if not free:
-        return []
-    needed = "; ".join(f"along {axis}: {' or '.join(along[axis])}" for axis in free)
-    return [f"geometry.file: nothing holds the body: name a surface 'clamped', or planes that keep it ({needed})"]
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -72,11 +72,16 @@ class VentricleGeometry(Section):
 
 
 class MeshGeometry(Section):
-    """A user's gmsh file beside the scene; ``scale`` makes its lengths mm (1000 for metres)."""
+    """A user's gmsh file beside the scene; ``scale`` makes its lengths mm (1000 for metres).
+
+    ``tip = "rigid"``: the surface named tip moves as a rigid body; where the cavity ends on it, it closes the cavity.
+    Surfaces named rigid, or rigid_NAME, are rigid bodies each, free to move.
+    """
 
     kind: Literal["mesh"]
     file: Annotated[str, Field(min_length=1)]
     scale: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] = 1.0
+    tip: Literal["elastic", "rigid"] = "elastic"
 
 
 Geometry = (

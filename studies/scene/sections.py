@@ -6,13 +6,20 @@ import difflib
 import tomllib
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_args
+from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 Length = Annotated[float, Field(gt=0.0, le=1000.0, allow_inf_nan=False)]
 Stiffness = Annotated[float, Field(gt=0.0, le=1e4, allow_inf_nan=False)]
-Modulus = Annotated[float, Field(gt=0.0, le=1e5, allow_inf_nan=False)]
+# Up to 10 GPa: rings of plastic and layers of fabric in a mesh of the user's.
+Modulus = Annotated[float, Field(gt=0.0, le=1e7, allow_inf_nan=False)]
+# Of a path, relative to the unloaded volume. The default: inner stretches of 10 (sphere) and 32 (tube), beyond what any
+# silicone takes.
+LargestVolume = Annotated[float, Field(gt=1.0, le=1e6)]
+LARGEST_VOLUME = 1000.0
+# Which of a force on the tip and the pressure comes first: as in `solvers.paths.orders`.
+Order = Literal["auto", "force-first", "together", "pressure-first"]
 
 # Results at two loads are told apart if the loads differ by more than this share: tables have six digits.
 APART = 1e-5
@@ -34,6 +41,15 @@ Model = TypeVar("Model", bound=Section)
 def is_ascending(loads: Sequence[float]) -> bool:
     """True if each of some loads is above the last by so much that their results are told apart."""
     return all(b > a and abs(b - a) > APART * abs(b) for a, b in zip(loads[:-1], loads[1:], strict=True))
+
+
+def order_faults(order: str, tip_force_n: float) -> list[str]:
+    """An order of a force and the pressure without a force."""
+    if order == "auto" or tip_force_n:
+        return []
+    return [
+        f'load.order = "{order}": there is no force beside the pressure: leave the key out, or set load.tip_force_n'
+    ]
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -85,7 +101,7 @@ def explain(error: ValidationError, model: type[Section]) -> list[str]:
     """Pydantic's findings about a scene as lines with key, value and what is allowed."""
     lines = []
     for fault in error.errors():
-        where, section = _place(model, fault["loc"])
+        where, section, annotation = _place(model, fault["loc"])
         key, value = ".".join(where), fault.get("input")
         kind, context = fault["type"], fault.get("ctx", {})
         if kind == "extra_forbidden":
@@ -97,7 +113,7 @@ def explain(error: ValidationError, model: type[Section]) -> list[str]:
             lines.append(f"{key}: missing, and has no default")
         elif kind in ("union_tag_not_found", "union_tag_invalid"):
             tag = str(context.get("discriminator", "")).strip("'")
-            allowed_tags = ", ".join(repr(name) for name in _members(_annotation(section, where[-1])))
+            allowed_tags = ", ".join(repr(name) for name in _members(annotation))
             if kind == "union_tag_not_found":
                 lines.append(f"{key}.{tag}: missing; allowed: {allowed_tags}")
             else:
@@ -113,8 +129,8 @@ def explain(error: ValidationError, model: type[Section]) -> list[str]:
     return lines
 
 
-def _place(model: type[Section], location: tuple[Any, ...]) -> tuple[list[str], type[Section]]:
-    """Keys of a fault without the tags pydantic puts between them, and the section the last of them is in."""
+def _place(model: type[Section], location: tuple[Any, ...]) -> tuple[list[str], type[Section], Any]:
+    """Keys of a fault without the tags pydantic puts between them, the section the last is in, and what it holds."""
     keys: list[str] = []
     section: type[Section] = model
     inner: Any = None
@@ -123,11 +139,15 @@ def _place(model: type[Section], location: tuple[Any, ...]) -> tuple[list[str], 
         if str(part) in members:
             inner = members[str(part)]
             continue
+        keys.append(str(part))
+        if get_origin(inner) is dict:  # tables by a name of the user's
+            held = get_args(inner)[1]
+            inner = get_args(held)[0] if get_origin(held) is Annotated else held
+            continue
         if isinstance(inner, type) and issubclass(inner, Section):
             section = inner
-        keys.append(str(part))
         inner = _annotation(section, str(part))
-    return keys, section
+    return keys, section, inner
 
 
 def _annotation(section: type[Section], key: str) -> Any:

@@ -27,11 +27,11 @@ from studies.stability.cells import Flaw
 class TooManyPressures(Element):
     """A pair that `solvers.discrete.elements.Element` refuses."""
 
-    def spaces(self, cell: Any) -> Any:
+    def spaces(self, cell: Any, fields: int = 1) -> Any:
         """The mixed UFL element without a check."""
         degree = self.displacement_degree
         displacement = compat.element("Lagrange", cell, degree, (compat.dimension(cell),))
-        return compat.mixed_element([displacement, compat.element("Lagrange", cell, degree)])
+        return compat.mixed_element([displacement, *[compat.element("Lagrange", cell, degree)] * fields])
 
 
 # On triangles P1/P1, on quadrilaterals Q1/Q1.

@@ -16,12 +16,13 @@ from analytical.exact.sphere import (
     deformed_radius_mm,
     hydrostatic_pressure_mpa,
     inner_radius_at_pressure_mm,
+    inner_radius_beyond_limit_mm,
     limit_point,
     pressure_at_inner_radius_mpa,
     radial_displacement_mm,
     stored_energy_mj,
 )
-from analytical.laws.isotropic import Law, NeoHooke, Ogden
+from analytical.laws.isotropic import Law, NeoHooke, Ogden, Yeoh
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from tests.analytical.cases import THREE_LAWS, derivative, each_of_three_laws
 
@@ -238,3 +239,21 @@ def test_bad_input_is_refused() -> None:
         inner_radius_at_pressure_mm(sphere, NeoHooke(0.1), -1e9)
     with pytest.raises(SphereError, match="inflation"):
         inner_radius_at_pressure_mm(sphere, DRAGON_SKIN_10, 1e9)
+
+
+def test_the_branch_beyond_the_limit_point() -> None:
+    sphere, law = Sphere(9.5, 10.5), Yeoh((0.31237237, 0.00054257, 0.00006962))
+    limit = limit_point(sphere, law)
+    assert limit is not None
+    for pressure in (1.0001 * limit.pressure_mpa, 0.0855579021, 0.116669866):
+        inner = inner_radius_beyond_limit_mm(sphere, law, pressure)
+        assert pressure_at_inner_radius_mpa(sphere, law, inner) == pytest.approx(pressure, rel=1e-12)
+        # the first one: the pressure stays below all the way from the limit point
+        between = np.linspace(1.001 * limit.inner_mm, 0.999 * inner, 50)
+        assert all(pressure_at_inner_radius_mpa(sphere, law, a) < pressure for a in between)
+    with pytest.raises(SphereError, match=r"limit point .* \(it is 0.0777799 MPa\)"):
+        inner_radius_beyond_limit_mm(sphere, law, 0.9 * limit.pressure_mpa)
+    with pytest.raises(SphereError, match="does not carry it in this sphere either"):
+        inner_radius_beyond_limit_mm(sphere, NeoHooke(0.1), 0.1)
+    with pytest.raises(SphereError, match="there is none"):
+        inner_radius_beyond_limit_mm(sphere, DRAGON_SKIN_10, 0.1)

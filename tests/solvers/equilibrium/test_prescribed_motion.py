@@ -14,7 +14,7 @@ from meshes.revolve import revolve
 from meshes.solid import FACETS
 from solvers.bodies.rigid import RigidBodies
 from solvers.equilibrium.newton import NewtonSettings
-from solvers.errors import Cause, SolverError
+from solvers.errors import Cause, SolverError, StepFailed
 from solvers.linear.factor import Factor
 from solvers.paths import prescribed
 from solvers.paths.prescribed import follow_motion
@@ -70,6 +70,18 @@ def test_motion_that_cannot_be_followed_ends_with_a_reason(twisted, monkeypatch)
     free, of_free = twisted(NeoHooke(0.07), held=False)
     with pytest.raises(SolverError, match="no rigid body is held"):
         follow_motion(free, of_free, turn(0.1), NewtonSettings())
+
+
+def test_tangent_that_cannot_be_factored_ends_the_motion_with_a_reason(twisted, monkeypatch) -> None:
+    problem, factor = twisted(NeoHooke(0.07))
+
+    def no_memory():
+        raise StepFailed("MUMPS failed with INFOG(1) = -13", Cause.OUT_OF_MEMORY)
+
+    monkeypatch.setattr(factor, "refresh", no_memory)
+    path = follow_motion(problem, factor, turn(0.1), NewtonSettings())
+    assert (path.cause, path.states, path.rejected) == (Cause.OUT_OF_MEMORY, (), 1)
+    assert "0 % of the motion reached" in path.reason
 
 
 def test_dead_shear_is_the_force_it_says(make_problem) -> None:

@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from petsc4py import PETSc
 
 from analytical.laws.isotropic import NeoHooke
 from solvers.errors import Cause, StepFailed
@@ -78,6 +79,35 @@ def test_too_little_workspace_is_enlarged_first(bellows_problem, monkeypatch) ->
     assert attempts == [{}, {14: 100}]
     assert factor.excess_negatives == 0
     factor.close()
+
+
+@pytest.mark.parametrize(("number", "cause"), [(55, Cause.OUT_OF_MEMORY), (76, Cause.LINEAR_SOLVER)])
+def test_failure_of_petsc_itself_is_a_failed_step(bellows_problem, monkeypatch, number: int, cause: Cause) -> None:
+    problem = bellows_problem(2).problem
+    problem.set_state(problem.zero_state())
+    factor = linear.Factor(problem)
+
+    def fails():
+        raise PETSc.Error(number)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(factor, "_new_solver", fails)
+        with pytest.raises(StepFailed, match="PETSc failed to factor the tangent") as failure:
+            factor.refresh()
+    assert failure.value.cause is cause
+    factor.refresh()
+    assert factor.excess_negatives == 0
+    factor.close()
+
+
+def test_load_on_what_cannot_move_is_named(strip, sides, make_problem) -> None:
+    held = ((sides.bottom, 1), (sides.cavity, 0), (sides.cavity, 1))
+    problem = make_problem(
+        strip(5.0, 6.0, 2.0, 2, 2, quadrilaterals=True), NeoHooke(0.1), cavity=sides.cavity, held=held
+    )
+    path = follow_path(problem, linear.Factor(problem), [0.01], PathSettings())
+    assert not path.reached and not path.states
+    assert "acts on nothing that is free to move" in path.reason
 
 
 def test_part_that_floats_is_a_failed_step(strip, sides, make_problem) -> None:

@@ -12,7 +12,7 @@ import sys
 import numpy as np
 from mpi4py import MPI
 
-from analytical.laws.isotropic import Law, NeoHooke
+from analytical.laws.isotropic import Law, NeoHooke, Yeoh
 from analytical.laws.silicones import DRAGON_SKIN_10
 from meshes.meridian import Resolution, meridian_mesh
 from meshes.revolve import revolve, revolve_scalar, revolve_vector
@@ -70,6 +70,9 @@ def main() -> None:
     soft, soft_factor = solver(comm, meridian if comm.rank == 0 else None, NeoHooke(0.03))
     crossing = follow_path(soft, soft_factor, [0.02], PathSettings(largest_volume=4.0)).crossing
     assert crossing is not None and crossing.mode is not None
+    # one of a law that softens ends where it does
+    softening = solver(comm, meridian if comm.rank == 0 else None, Yeoh((0.0222115, 0.0026603, -0.0000735)))
+    ended = follow_path(*softening, [0.1], PathSettings(crossing_tolerance=0.0, smallest_step=1e-2))
     if comm.rank == 0:
         point = path.states[-1]
         rim = np.unique(body.facets[body.facet_tags == FACETS["tip"]])
@@ -91,6 +94,9 @@ def main() -> None:
                     "limit_mpa": crossing.pressure_mpa,
                     "limit_mm3": crossing.volume_mm3,
                     "modes": [crossing.modes_before, crossing.modes_after],
+                    "end": str(ended.cause),
+                    "end_mpa": ended.states[-1].state.load_mpa,
+                    "largest_stretch": ended.states[-1].newton.largest_stretch,
                     "mode_mm": crossing.mode.displacement_mm[::17].tolist(),
                 }
             )

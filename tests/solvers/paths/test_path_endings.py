@@ -9,9 +9,12 @@ import re
 import numpy as np
 import pytest
 
+from analytical.laws.isotropic import Yeoh
+from analytical.laws.stability import stable_stretches
 from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import Cause, StepFailed
+from solvers.linear.factor import Factor
 from solvers.paths.diagnosis import failed_steps, limit_pressure
 from solvers.paths.path import follow_path
 from solvers.paths.prediction import peak
@@ -52,9 +55,14 @@ def test_path_that_ends_at_an_inverted_cell_says_where(bellows_problem) -> None:
     assert re.search(r"det F = \S+ at r = \S+, z = \S+ mm, soft region; last state at 0 kPa; look at", path.reason)
 
 
-def test_path_that_leaves_the_laws_range_says_so(bellows_problem) -> None:
+def test_path_that_leaves_the_laws_range_says_so(bellows_problem, monkeypatch) -> None:
     case = bellows_problem(2, "ogden")
-    path = follow_path(case.problem, case.factor, [0.7], PathSettings(first_step=2.0, largest_step=4.0))
+    limits = case.problem.law.invariant_limits
+    assert limits == (160.0, 6400.0)
+    narrow = dataclasses.replace(case.problem.law, invariant_limits=(80.0, 200.0))
+    with monkeypatch.context() as patch:
+        patch.setattr(case.problem, "law", narrow)
+        path = follow_path(case.problem, case.factor, [0.7], PathSettings(first_step=2.0, largest_step=4.0))
     assert path.cause is Cause.MATERIAL_RANGE
     assert "I2 = 2" in path.reason and "(<= 200)" in path.reason
     assert "another law" in path.reason
@@ -101,6 +109,37 @@ def test_other_failures_keep_their_kind(cause: Cause) -> None:
     found, reason = failed_steps(StepFailed("what happened", cause), history, None, "volume", 1.0)
     assert found is cause
     assert "what happened; last state at 2 kPa; " in reason
+
+
+def test_path_ends_where_its_law_is_no_longer_stable(strip, sides, make_problem) -> None:
+    """A thick tube in plane strain of a fit that softens: pure shear everywhere, most at the bore."""
+    law = Yeoh((0.0222115, 0.0026603, -0.0000735))
+    limit = stable_stretches(law)["pure shear"]
+    problem = make_problem(
+        strip(5.0, 7.0, 1.0, 4, 1), law, cavity=sides.cavity, held=((sides.bottom, 1), (sides.top, 1))
+    )
+    path = follow_path(problem, Factor(problem), [0.005, 0.010, 0.060], PathSettings())
+    assert path.cause is Cause.LAW_SOFTENS and not path.reached
+    assert [s.state.load_mpa for s in path.states if s.asked] == [0.005, 0.010]
+    named = re.search(r"no longer stable at stretch (\S+) at r = (\S+), z = \S+ mm, soft region; last", path.reason)
+    assert named is not None
+    assert 5.0 < float(named[2]) < 5.1  # the point nearest to the bore, which is the first to go
+    # quadrature points lie a little outside the bore; the last steps are a thousandth of the volume and less
+    assert float(named[1]) == pytest.approx(limit, rel=5e-3)
+    stretches = [s.newton.largest_stretch for s in path.states]
+    assert max(stretches) < float(named[1]) + 5e-4  # four digits
+    assert stretches == sorted(stretches)
+
+
+def test_largest_stretch_is_that_of_the_quadrature_points(strip, sides, make_problem) -> None:
+    mesh = strip(5.0, 7.0, 1.0, 2, 1)
+    problem = make_problem(mesh, Yeoh((0.036,)), cavity=sides.cavity, held=((sides.bottom, 1), (sides.top, 1)))
+    r = mesh.points[:, 0]
+    # u_r = r/2: hoop and radial stretch 1.5 everywhere, which is not isochoric
+    moved = np.column_stack([0.5 * r, np.zeros(len(r))])
+    problem.set_state(dataclasses.replace(problem.zero_state(), displacement_mm=moved))
+    assert problem.deformation.largest_stretch() == pytest.approx(1.5, rel=1e-6)
+    assert problem.deformation.softened() == ""
 
 
 def test_peak_between_two_states_is_that_of_the_cubic() -> None:

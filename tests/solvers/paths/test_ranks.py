@@ -22,6 +22,9 @@ def test_one_and_two_ranks_agree(python, cells: str) -> None:
     assert two["limit_mpa"] == pytest.approx(one["limit_mpa"], rel=1e-8)
     assert two["limit_mm3"] == pytest.approx(one["limit_mm3"], rel=1e-6)
     assert one["modes"] == [0, 1]
+    assert one["end"] == two["end"] == "law no longer stable"
+    for name in ("end_mpa", "largest_stretch"):
+        assert two[name] == pytest.approx(one[name], rel=1e-6), name
     # the same random start in the caller's numbering; inverse iteration to 1e-6 of the stiffness, 1e-3 of the mode
     assert np.abs(np.array(two["mode_mm"]) - np.array(one["mode_mm"])).max() < 1e-3
     for name in ("iterations", "excess_negatives", "expected_negatives", "modes"):

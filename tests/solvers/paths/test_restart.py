@@ -91,8 +91,9 @@ def test_whole_file_of_another_format_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "c.npz"
     state = {"0.displacement_mm": np.zeros((1, 2)), "0.pressure_mpa": np.zeros(1), "0.bodies_mm": np.zeros((0, 0))}
     point = {"volume_mm3": 1.0, "compliance_mm3_per_mpa": 1.0, "unstable": 0}
-    whole = {"label": "x", "reached": 0, "rejected": 0, "crossing": None, "notes": None}
-    for facts in ({}, [], whole, {**whole, "kind": "guesses", "points": [point], "share": 1.0}):
+    whole: dict[str, object] = {"label": "x", "reached": 0, "rejected": 0, "crossing": None, "notes": None}
+    others: list[object] = [{}, [], whole, {**whole, "kind": "guesses", "points": [point], "share": 1.0}]
+    for facts in others:
         np.savez(file, facts=json.dumps(facts), **state, **{"0.load_mpa": 0.0})
         with pytest.raises(CheckpointError, match=r"c\.npz: damaged, not used"):
             read_checkpoint(file, "x")

@@ -104,7 +104,7 @@ def same_rows(found, expected, tolerance):
     assert len(found) == len(expected)
     for a, b in zip(found, expected, strict=True):
         for name in PATH_COLUMNS:
-            if name != "wall_s":
+            if name not in ("wall_s", "residual"):  # what Newton leaves of it is round-off
                 x, y = getattr(a, name), getattr(b, name)
                 assert x == y or x == pytest.approx(y, rel=tolerance, nan_ok=True), (name, x, y)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -11,8 +12,10 @@ from solvers.errors import SolverError
 from studies.models.body import run_simple_body
 from studies.models.contact import CONTACT_FILE
 from studies.models.run_log import MODE_FILE, Log
+from studies.models.session import SCENE_FILE, read_scene_folder, run_plan
+from studies.planning.planner import make_plan
 from studies.progress import Progress
-from studies.results.run_files import PATH_FILE, field_file
+from studies.results.run_files import PATH_FILE, SUMMARY_FILE, field_file
 from studies.results.runs import MEASURED_FILE, Run, finished_run, run_hash
 from studies.scene.bodies import BodyScene
 from studies.scene.load import load_scene
@@ -67,3 +70,29 @@ def test_a_run_anew_begins_with_an_empty_folder(sphere, tmp_path: Path) -> None:
     run(thicker(sphere), tmp_path)
     assert not any(file.exists() for file in left)
     assert (tmp_path / MEASURED_FILE).read_text() != measured
+
+
+def test_results_of_another_scene_are_not_read_with_those_of_this_one(sphere, tmp_path: Path) -> None:
+    left = tmp_path / "axisymmetric-r3"  # a level that the scene has none of
+    run(sphere, left)
+    other, comm, progress = thicker(sphere), MPI.COMM_SELF, Progress(MPI.COMM_SELF)
+    made = run_plan(other, "other", make_plan(other, "axisymmetric"), tmp_path, comm, progress)
+    assert "r3" not in {found.summary.level for found in made.runs} and left.exists()
+    found = read_scene_folder(other, tmp_path)
+    assert [one.summary for one in found.runs] == [one.summary for one in made.runs]
+    # the same again leaves what is there
+    kept = {file: file.stat().st_mtime_ns for file in tmp_path.glob(f"*-*/{SUMMARY_FILE}")}
+    run_plan(other, "other", make_plan(other, "axisymmetric"), tmp_path, comm, progress)
+    assert kept == {file: file.stat().st_mtime_ns for file in tmp_path.glob(f"*-*/{SUMMARY_FILE}")}
+
+
+def test_scene_beside_results_is_the_old_or_the_new_one(sphere, tmp_path: Path, monkeypatch) -> None:
+    (tmp_path / SCENE_FILE).write_text("old", encoding="utf-8")
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OSError, match="No space left on device"):
+        run_plan(sphere, "new", make_plan(sphere, "axisymmetric"), tmp_path, MPI.COMM_SELF, Progress(MPI.COMM_SELF))
+    assert (tmp_path / SCENE_FILE).read_text(encoding="utf-8") == "old"

@@ -98,7 +98,7 @@ def test_graded_meshes_converge_with_the_order_of_equal_ones(tmp_path, monkeypat
 )
 def test_thick_walls_in_three_dimensions(tmp_path, monkeypatch, body: str, model: str) -> None:
     monkeypatch.setattr(
-        "studies.planning.bodies.AROUND_LEVELS", {"hexahedra": ("n8", "n12"), "tetrahedra": ("n8", "n12")}
+        "studies.planning.bodies.AROUND_LEVELS", {"hexahedra": ("n8", "n16"), "tetrahedra": ("n8", "n12")}
     )
     code, rows = solved(tmp_path, body, 100.0, "neo-hooke", "[1000.0]", "--model", model)
     (row,) = finest(rows)

@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 from studies.__main__ import main
 from studies.planning.error_model import around_for
+from studies.planning.levels import MOST_UNKNOWNS
 from studies.planning.planner import describe, make_plan
 from studies.results.run_files import read_path, read_summary
 from studies.scene.bellows import in_hexahedra
@@ -37,10 +38,10 @@ def write(tmp_path_factory):
     return make
 
 
-def solve(scene: Path, model: str):
+def solve(scene: Path, model: str, code: int = 0):
     out = scene.parent / f"{scene.stem}-{model}"
     result = CliRunner().invoke(main, ["solve", str(scene), "--out", str(out), "--model", model])
-    assert result.exit_code == 0, result.output
+    assert result.exit_code == code, result.output
     return read_path(out)[-1], read_summary(out), out
 
 
@@ -74,27 +75,32 @@ def test_tetrahedra_stay_to_be_had(write, whole) -> None:
 
 
 @pytest.mark.parametrize(
-    ("element", "kappa", "least", "most"),
+    ("element", "kappa", "least", "most", "code"),
     [
         # a little too soft: measured 1.7 % with eight convolutions at 20 kPa
-        ("tet-p0", "inf", 0.0, 0.03),
-        # locks: measured 52 % short with eight convolutions
-        ("tet-p1", "1000.0", -1.0, -0.2),
+        ("tet-p0", "inf", 0.0, 0.03, 0),
+        # locks: measured 52 % short with eight convolutions; its meshes differ by as much, so the tolerance is not met
+        ("tet-p1", "1000.0", -1.0, -0.2, 3),
     ],
 )
-def test_elements_of_a_constant_pressure_and_of_none(write, whole, element, kappa, least, most) -> None:
+def test_elements_of_a_constant_pressure_and_of_none(
+    write, whole, monkeypatch, element, kappa, least, most, code
+) -> None:
+    monkeypatch.setitem(MOST_UNKNOWNS, "axisymmetric", 50_000)
     compressible = ("kappa_over_mu = inf", f"kappa_over_mu = {kappa}")
-    _, _, out = solve(write(element, compressible, more=f'\n[mesh]\nelement = "{element}"\n'), "axisymmetric")
+    _, _, out = solve(write(element, compressible, more=f'\n[mesh]\nelement = "{element}"\n'), "axisymmetric", code)
     row = read_path(out / "axisymmetric-r1")[-1]
     assert least < row.tip_mm / whole[0].tip_mm - 1.0 < most
     assert row.unstable_modes == 0
 
 
 @pytest.mark.slow
-def test_constant_pressures_in_3d(write, whole) -> None:
+def test_constant_pressures_in_3d(write, whole, monkeypatch) -> None:
+    for model in ("axisymmetric", "full3d"):
+        monkeypatch.setitem(MOST_UNKNOWNS, model, 200_000)
     scene = write("p0", more='\n[mesh]\nelement = "tet-p0"\n')
-    row, summary, _ = solve(scene, "full3d")
-    assert summary.level == "n12r2"  # the coarsest meridian would be 1.7 % too soft
+    _, _, out = solve(scene, "full3d", 3)  # of first order: what is known of its limit does not hold 1 %
+    row = read_path(out / "full3d-n12r2")[-1]  # the coarsest meridian would be 1.7 % too soft
     # as on the meridian, with the circumference's error on top: 12 cells round
     assert row.tip_mm == pytest.approx(whole[0].tip_mm, rel=0.03)
 
@@ -138,9 +144,9 @@ def test_plan_names_cells_and_what_a_sector_cannot_see(write) -> None:
     assert "a sector's count of unstable modes cannot see them" in text
 
 
-@pytest.mark.parametrize(("percent", "full", "sector"), [(2.5, 6, 8), (1.0, 8, 8), (0.3, 12, 12), (0.01, 12, 12)])
+@pytest.mark.parametrize(("percent", "full", "sector"), [(2.5, 6, 8), (1.0, 8, 8), (0.3, 12, 8), (0.01, 12, 8)])
 def test_cells_round_follow_the_tolerance(write, percent: float, full: int, sector: int) -> None:
     scene = load_bellows(write("requested"))
     asked = scene.model_copy(update={"ask": scene.ask.model_copy(update={"tolerance_percent": percent})})
     assert make_plan(asked, "full3d").around_levels == (full,)
-    assert make_plan(asked, "sector").around_levels == (sector,)
+    assert make_plan(asked, "sector").around_levels == (sector,)  # pairs of cells in a quarter of a cap, more if needed

@@ -9,7 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from solvers.contact.pairs import PairReport
 from solvers.state import State
+from studies.models.contact import read_reports, write_reports
 from studies.results.run_files import PathRow, field_file, load_state, read_path, save_state, write_path
 
 BLANK = State(np.zeros((3, 2)), np.zeros(3), np.zeros((0, 0)), 0.0)
@@ -36,6 +38,14 @@ def test_damaged_state_is_none(tmp_path: Path, length: int) -> None:
     (file,) = (tmp_path / "states").iterdir()
     file.write_bytes(file.read_bytes()[:length])
     assert load_state(tmp_path, "x", 0.0) is None
+
+
+def test_contact_at_close_loads_is_kept_apart(tmp_path: Path) -> None:
+    loads_kpa = [14.0, 14.0001, 14.00003]
+    for load in loads_kpa + loads_kpa[:1]:
+        write_reports(tmp_path / "contact.csv", load, (PairReport("rings", -0.01, load, 1),))
+    found = {float(row["pressure_kpa"]): float(row["force_n"]) for row in read_reports(tmp_path / "contact.csv")}
+    assert found == dict(zip(loads_kpa, loads_kpa, strict=True))
 
 
 def test_residual_of_each_state_is_in_the_table(tmp_path: Path) -> None:

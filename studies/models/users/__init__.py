@@ -1,0 +1,1 @@
+"""Users' meshes as boundary value problems."""
