@@ -190,4 +190,6 @@ def test_rooms_of_the_studies_know_those_before_them(path: Path) -> None:
     if room in ROOMS:
         assert known <= {*ROOMS[: ROOMS.index(room)], "progress", "first_rank"}
     elif room not in ("command", "catalogue", "__main__", *TOP):
-        assert known <= {*ROOMS, *TOP}, "a study that knows another: what they share moves down"
+        # The study of generated inputs gives them to the command line itself.
+        driven = {"__main__"} if room == "fuzz" else set()
+        assert known <= {*ROOMS, *TOP, *driven}, "a study that knows another: what they share moves down"
