@@ -52,8 +52,8 @@ def isochoric_rod(x: np.ndarray) -> np.ndarray:
 def isochoric_quarter(x: np.ndarray) -> np.ndarray:
     """``(x s, y / (s t'), t)`` with s of z: all four planes stay."""
     x, y, z = np.moveaxis(x, -1, 0)
-    t, slope = _along(z, 0.05)
-    s = 1.0 + 0.12 * np.sin(np.pi * z / HEIGHT_MM)
+    t, slope = _along(z, 0.02)
+    s = 1.0 + 0.1 * np.sin(np.pi * z / HEIGHT_MM)
     return np.stack([x * s, y / (s * slope), t], axis=-1)
 
 
@@ -61,13 +61,6 @@ def swollen_quarter(x: np.ndarray) -> np.ndarray:
     """The same, and then wider in x by a share that grows with y, narrower in y with z."""
     x, y, z = np.moveaxis(isochoric_quarter(x), -1, 0)
     return np.stack([x * (1.0 + 0.04 * y), y * (1.0 - 0.06 * z), z], axis=-1)
-
-
-def isochoric_quarter_with_a_free_end(x: np.ndarray) -> np.ndarray:
-    """`isochoric_quarter`, and then ``(x, y q, z / q)`` with q of x: the top goes where it will."""
-    x, y, z = np.moveaxis(isochoric_quarter(x), -1, 0)
-    q = 1.0 + 0.1 * x
-    return np.stack([x, y * q, z / q], axis=-1)
 
 
 @dataclass(frozen=True)

@@ -213,14 +213,14 @@ def test_the_page_has_the_split_and_a_failure_makes_it_fail(tmp_path: Path) -> N
 
 
 def test_a_short_run_ends_well_and_is_not_repeated(tmp_path: Path) -> None:
-    some = [draw for draw in draws(40, 11) if draw.kind in QUICK and not draw.model]
+    some = [draw for draw in draws(26, 1) if draw.kind in QUICK and not draw.model]
     assert len(some) >= 20
     study = dataclasses.replace(STUDY, cases=lambda options: some)
     begin = time.perf_counter()
-    assert run(study, tmp_path, MPI.COMM_SELF, {"seed": 11, "draws": 40}) == 0, (tmp_path / "report.md").read_text()
+    assert run(study, tmp_path, MPI.COMM_SELF, {"seed": 1, "draws": 26}) == 0, (tmp_path / "report.md").read_text()
     first = time.perf_counter() - begin
     verdicts = {row.status.partition(":")[0] for row in read_rows(tmp_path / "rows.csv")}
     assert verdicts == {"reached", "refused", "stopped"}
     begin = time.perf_counter()
-    assert run(study, tmp_path, MPI.COMM_SELF, {"seed": 11, "draws": 40}) == 0
+    assert run(study, tmp_path, MPI.COMM_SELF, {"seed": 1, "draws": 26}) == 0
     assert time.perf_counter() - begin < 0.2 * first
