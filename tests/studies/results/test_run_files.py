@@ -15,7 +15,9 @@ from studies.models.contact import read_reports, write_reports
 from studies.results.run_files import PathRow, field_file, load_state, read_path, save_state, write_path
 
 BLANK = State(np.zeros((3, 2)), np.zeros(3), np.zeros((0, 0)), 0.0)
-ROW = PathRow(1.0, "volume", 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.9, math.nan, 0.0, "", 4, 1.0, "requested", 0.01, residual=2e-9)
+ROW = PathRow(
+    1.0, "volume", 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.9, math.nan, 0.0, "", 4, 1.0, "requested", 0.01, residual=2e-9
+)
 
 
 def test_states_at_close_and_at_small_loads_are_kept_apart(tmp_path: Path) -> None:
