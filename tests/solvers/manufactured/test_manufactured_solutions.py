@@ -91,7 +91,7 @@ def test_both_forms_of_the_pressure_are_covered(ring, rod) -> None:
 @pytest.mark.parametrize("control", ["hoop", "follows"])
 def test_orders_are_lost_with_a_wrong_term(rod, control: str) -> None:
     # P_theta left out of the force, and the pressure's share of the traction on the undeformed surface
-    found = orders(rod(True), solution_of(solutions.isochoric_rod, "yeoh", False, **{control: False}), (4, 8))
+    found = orders(rod(True), solution_of(solutions.isochoric_rod, "yeoh", False, **{control: False}), (8, 16))
     assert found[-1].max() < 0.5, found
 
 
@@ -128,10 +128,11 @@ BODIES = {"swollen": (solutions.swollen_quarter, True), "isochoric": (solutions.
         ("swollen", "ogden", False),
         ("isochoric", "yeoh", True),
         ("isochoric", "ogden", True),
+        ("isochoric", "yeoh", False),
     ],
 )
 def test_orders_in_3d(quarters, case: str, law: str, box: bool) -> None:
     place, compressible = BODIES[case]
-    found = orders(quarters(box), solution_of(place, law, compressible), (2, 4))
-    # two cells through the wall are few: the pressure of tetrahedra is on its way, as on the exact tube
-    assert (found[-1] >= [2.8, 1.9, 1.6]).all(), found
+    found = orders(quarters(box), solution_of(place, law, compressible), (2, 4) if box else (3, 6))
+    # few cells: the gradient of tetrahedra comes from below, 1.87 between 2 and 4 cells and 1.90 between 3 and 6
+    assert (found[-1] >= [2.8, 1.9 if box else 1.85, 1.9]).all(), found
