@@ -89,7 +89,7 @@ class Solution:
         return f
 
     def pressure(self, x: np.ndarray) -> np.ndarray:
-        """``kappa (J - 1)``, or a field of choice: under four times as much the bodies are unstable and lose an order."""
+        """``kappa (J - 1)``, or one of choice; under three times as much the bodies are unstable and lose an order."""
         if self.inverse_kappa > 0.0:
             return (np.linalg.det(self.gradient(x)) - 1.0) / self.inverse_kappa
         wave = np.cos(np.pi * x[..., -1] / HEIGHT_MM) * x[..., 0]

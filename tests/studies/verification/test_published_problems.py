@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -29,7 +30,11 @@ def run(*arguments: object) -> Result:
 
 
 def solved(name: str, out: Path, *options: str) -> list[Row]:
-    result = run("solve", SCENES / f"{name}.toml", "--out", out, *options)
+    """Rows of a scene's own meshes: none finer is solved for its tolerance."""
+    text = (SCENES / f"{name}.toml").read_text(encoding="utf-8")
+    scene = out.with_suffix(".toml")
+    scene.write_text(re.sub("tolerance_percent = .*", "tolerance_percent = 90.0", text), encoding="utf-8")
+    result = run("solve", scene, "--out", out, *options)
     assert result.exit_code == 0, result.output
     return read_rows(out / "rows.csv")
 
