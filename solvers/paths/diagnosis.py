@@ -84,7 +84,8 @@ def failed_steps(
             f"{lost}; beyond it the path followed is not the one the body takes, and its steps failed: {failure}; "
             f"{at}; give the geometry a small imperfection in the critical mode to follow the other branch"
         )
-    if crossing is not None and crossing.kind is Cause.LIMIT_POINT and here.pressure_mpa < crossing.pressure_mpa:
+    fallen = crossing is not None and crossing.kind is Cause.LIMIT_POINT and here.pressure_mpa < crossing.pressure_mpa
+    if fallen and failure.cause is Cause.LINEAR_SOLVER:  # a wall drawn so thin that it hardly has a stiffness
         return Cause.LIMIT_POINT, (
             f"{lost}; beyond it the pressure falls, and at {1e3 * here.pressure_mpa:.6g} kPa steps failed: {failure}; "
             "ask for less than the limit pressure"
