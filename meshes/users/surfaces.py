@@ -248,7 +248,7 @@ def with_axis(
     wrong = on & (names != "") & ~np.isin(names, ON_AXIS)
     if wrong.any():
         raise MeshError(
-            f"{path}: {int(wrong.sum())} edges named {names[wrong][0]!r} lie on r = 0, which is the axis, inside the "
+            f"{path}: {int(wrong.sum())} edges named {str(names[wrong][0])!r} lie on r = 0, which is the axis, inside the "
             "body: leave them without a name or call them 'axis'"
         )
     _check_beside_axis(path, points, edges[~on], names[~on], size)
@@ -277,7 +277,7 @@ def _check_beside_axis(path: Path, points: FloatArray, edges: IntArray, names: n
     misplaced = called | ((names == "") & along & (radius < NEAR_AXIS * size))
     if misplaced.any():
         worst = int(np.argmax(np.where(misplaced, radius, -1.0)))
-        called_what = f"named {names[worst]!r}" if names[worst] else "without a name"
+        called_what = f"named {str(names[worst])!r}" if names[worst] else "without a name"
         raise MeshError(
             f"{path}: an edge {called_what} reaches r = {radius[worst]:.4g} mm, beside the axis r = 0: move the axis "
             f"to x = 0 (nodes within {SNAP * size:.3g} mm are put there), or name a bore of its own 'outer'"
