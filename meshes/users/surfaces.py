@@ -248,8 +248,8 @@ def with_axis(
     wrong = on & (names != "") & ~np.isin(names, ON_AXIS)
     if wrong.any():
         raise MeshError(
-            f"{path}: {int(wrong.sum())} edges named {str(names[wrong][0])!r} lie on r = 0, which is the axis, inside the "
-            "body: leave them without a name or call them 'axis'"
+            f"{path}: {int(wrong.sum())} edges named {str(names[wrong][0])!r} lie on r = 0, which is the axis, inside "
+            "the body: leave them without a name or call them 'axis'"
         )
     _check_beside_axis(path, points, edges[~on], names[~on], size)
     alone = np.setdiff1d(edges[(radius[edges] == 0.0).any(axis=1)][:, :], edges[on])
