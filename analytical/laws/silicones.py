@@ -16,7 +16,7 @@ from analytical.laws.isotropic import OGDEN_CONVENTIONS, IsotropicLaw, Law, Ogde
 # Printed: C1 = 36000, C2 = 2500, C3 = 230 Pa; initial shear modulus 2 C1 = 72 kPa.
 DRAGON_SKIN_10: Final = Yeoh(c_mpa=(0.036, 0.0025, 0.00023))
 
-# Printed: 1000 % and 364 %; Smooth-On's technical bulletin of the Dragon Skin series says the same.
+# Printed: 1000 % and 364 %.
 DRAGON_SKIN_10_ELONGATION_AT_BREAK_PERCENT: Final = 1000.0
 DRAGON_SKIN_30_ELONGATION_AT_BREAK_PERCENT: Final = 364.0
 
@@ -54,7 +54,7 @@ class Silicone:
     source: str
 
 
-_SOURCE: Final = "elongation at break {:g} %, Smooth-On's data sheet"
+_SOURCE: Final = "elongation at break {:g} %, Heung et al. 2024, section 2"
 _KNOWN: Final[tuple[tuple[Law, str, float], ...]] = (
     (DRAGON_SKIN_10, "Dragon Skin 10", DRAGON_SKIN_10_ELONGATION_AT_BREAK_PERCENT),
     *(

@@ -24,7 +24,7 @@ import tomlkit
 from studies.fuzz.draws import Draw
 from studies.fuzz.meshfiles import MOVES_MOST
 from studies.results.csv_files import read_lines
-from studies.results.rows import REACHED, Row, read_rows
+from studies.results.rows import NOT_MET, REACHED, Row, misses_tolerance, read_rows
 from studies.scene.bellows import BellowsScene
 from studies.scene.load import Scene, load_scene
 
@@ -132,7 +132,7 @@ def _of_answer(draw: Draw, ended: Ended, out: Path, solve: Solve) -> Outcome:
         return Outcome("right", "a closed form: no mesh to confirm")
     if not answers or any(math.isnan(row.value) for row in answers.values()):
         return Outcome("wrong", "exit 0 without an answer")
-    if "NOT met" in ended.out:
+    if NOT_MET in ended.out + ended.error or any(map(misses_tolerance, rows)):
         return Outcome("wrong", f"exit 0, and the tolerance of {scene.ask.tolerance_percent:g} % is not met")
     if all(row.source.startswith("exact") and math.isfinite(row.value) for row in answers.values()):
         return _held(scene, answers, {key: (row.reference, 0.0) for key, row in answers.items()}, "exact")
