@@ -6,18 +6,20 @@ elastic layer. The parts are in `solvers.assembly`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import ufl
 from dolfinx import fem
 from mpi4py import MPI
+from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from analytical.laws.stiff import StiffSolid
 from solvers import compat
 from solvers.assembly.checks import Deformation, refuse_overlaps
 from solvers.assembly.load import Load
+from solvers.assembly.supports import Supports
 from solvers.assembly.surfaces import SOFT, STIFF, Surfaces, cell_measures
 from solvers.assembly.tangent import assemble, new_matrix
 from solvers.assembly.term import Term
@@ -196,9 +198,14 @@ class Problem:
 
     def assemble_tangent(self, matrix: PETSc.Mat) -> None:
         """Tangent at the current state, into ``matrix``."""
+        self.assemble_held(matrix, self.unknowns.supports, [term.add_to for term in self.terms])
+
+    def assemble_held(
+        self, matrix: PETSc.Mat, supports: Supports, additions: Sequence[Callable[[PETSc.Mat], None]]
+    ) -> None:
+        """The solid's tangent at the current state under any supports, and what is added to it, into ``matrix``."""
         with self.timer("tangent"):
-            terms = [term.add_to for term in self.terms]
-            assemble(matrix, self._tangent, self.unknowns.supports.bcs, self.space, terms)
+            assemble(matrix, self._tangent, supports.bcs, self.space, additions)
 
     def internal_force(self) -> tuple[FloatArray, FloatArray]:
         """Internal force on the owned dofs (owned,), residual of the bodies (extra,); constraints not yet applied.
@@ -237,6 +244,11 @@ class Problem:
     def energy(self) -> float:
         """Stored energy of solid, bond and contact, mJ."""
         return compat.assemble_scalar(self._energy, self.comm) + sum(term.energy() for term in self.terms)
+
+    @property
+    def massless(self) -> NDArray[np.bool_]:
+        """Owned dofs that are pressures or held, shape (owned,)."""
+        return np.asarray(self.owned_pressure | self.constrained_owned)
 
     # ---- states ----------------------------------------------------------------------------------------
 

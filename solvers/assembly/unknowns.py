@@ -12,7 +12,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from solvers import compat
-from solvers.assembly.supports import find_supports
+from solvers.assembly.supports import Supports, find_supports
 from solvers.assembly.surfaces import Surfaces
 from solvers.discrete.domain import Domain, FloatArray, IntArray
 from solvers.discrete.elements import Element
@@ -73,17 +73,26 @@ class Unknowns:
         self.owned: int = self.index_map.size_local
         self.local: int = self.owned + self.index_map.num_ghosts
         self.u_dofs = displacement_dofs(domain, self.space, self.dimension)
+        self._fields = fields
         self._number_pressures(fields)
-        self.supports = find_supports(domain, self.space, self.u_dofs, surfaces, fields)
+        self.supports = self.supports_for(surfaces)
         self.constrained_owned = self.supports.is_constrained[: self.owned]
-        free = int((self.owned_pressure & ~self.constrained_owned).sum())
-        self.expected_negatives: int = self.comm.allreduce(free, op=MPI.SUM)
+        self.expected_negatives: int = self.free_pressures(self.supports)
         self.bodies_mm = np.zeros(held_motions.shape)
         self.held_bodies, self.extra = held_motions.ravel(), held_motions.size
         self._frame = np.eye(self.dimension) if frame is None else frame
         # linear displacements at the quadratic nodes, for callers who expect a value at every node
         linear = compat.element("Lagrange", mesh.ufl_cell(), 1)
         self._linear_at_nodes = compat.basis_at(linear, compat.node_positions(domain.cell_name))
+
+    def supports_for(self, surfaces: Surfaces) -> Supports:
+        """What these surfaces hold of the dofs; every rank calls."""
+        return find_supports(self.domain, self.space, self.u_dofs, surfaces, self._fields)
+
+    def free_pressures(self, supports: Supports) -> int:
+        """Pressures of all ranks that are not held: negative eigenvalues of a stable tangent; every rank calls."""
+        free = self.owned_pressure & ~supports.is_constrained[: self.owned]
+        return int(self.comm.allreduce(int(free.sum()), op=MPI.SUM))
 
     def _number_pressures(self, fields: Sequence[Sequence[int] | None]) -> None:
         """Pressure dofs, and for those of cells their basis functions at the corners, shape (corners, k)."""

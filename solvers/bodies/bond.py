@@ -12,11 +12,13 @@ R -> R exp(W_j), variations for body unknown j (translation d_j, skew W_j) and t
 
 where y = e + X - c. The second variations matter: with linearised rotations the tractions of a pressurised wall on
 the ring make torsion and tilting look unstable. On a meridian, and in a sector between planes of symmetry, a body
-only moves axially.
+only moves axially; half a body between them has three motions. Couplings and blocks can be had in other motions than
+the state's: those of perturbations that do not share its symmetry (`solvers.stability.parity`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -31,7 +33,7 @@ from solvers.assembly.load import Load
 from solvers.assembly.tangent import Border, bonded_dofs
 from solvers.assembly.unknowns import Unknowns
 from solvers.bodies.plate import enclosed_by_plate
-from solvers.bodies.rigid import RigidBodies, moved
+from solvers.bodies.rigid import AXIAL, RigidBodies, as_six, moved
 from solvers.discrete.domain import Domain, FloatArray, IntArray
 from solvers.discrete.kinematics import Kinematics
 from solvers.energy.forms import Forms
@@ -43,7 +45,7 @@ class BondedBodies:
     Parameters
     ----------
     unknowns
-        Of the problem; bodies have one motion or six.
+        Of the problem.
     kin
         Kinematics of the mesh.
     bodies
@@ -58,7 +60,9 @@ class BondedBodies:
     forms
         UFL forms of the bond's energy and its derivatives by the dofs.
     values, is_held
-        Motions of the bodies, shape (bodies, modes), and which are held, shape (size,).
+        Unknowns of the bodies, shape (bodies, motions), and which are held, shape (size,).
+    motions
+        Which of the six motions these are.
     dead_force_n
         Dead axial force on a plate that is not held.
     """
@@ -77,12 +81,12 @@ class BondedBodies:
         self._plate, self._plate_area = bodies.plate, bodies.plate_area_mm2
         self.load = load
         self.values, self.is_held = unknowns.bodies_mm, unknowns.held_bodies
-        self.count, self.modes = self.values.shape
+        self.count, self.motions = len(self.values), bodies.motions_on(domain.axisymmetric)
         self.dead_force_n = 0.0 if bodies.plate is None or bodies.plate_held else bodies.plate_force_n
         self.cells = _cells_of_bodies(domain, self.count)
         dofs = bonded_dofs(domain, space, unknowns.dimension, self.count)
         # cells between two bodies have dofs of both, their bonded facets never
-        self.border = Border(space, [d[~unknowns.constrained_owned[d]] for d in dofs], self.modes)
+        self.border = Border(space, [d[~unknowns.constrained_owned[d]] for d in dofs], len(self.motions))
         self._index_map = unknowns.index_map
         grade = _nodal_function(domain, bodies.grade)
         normal = fem.Constant(mesh, bodies.normal_mpa_per_mm)
@@ -143,39 +147,38 @@ class BondedBodies:
     @property
     def size(self) -> int:
         """Number of body unknowns."""
-        return self.count * self.modes
+        return self.values.size
 
-    def _aim(self, k: int, mode: int) -> None:
-        """Set direction k to a body unknown."""
+    def _aim(self, k: int, motion: int) -> None:
+        """Set direction k to a motion."""
         self._shifts[k].value[:] = 0.0
         self._spins[k].value[:] = 0.0
-        if self.modes == 1:
+        if motion == AXIAL[0]:
             self._shifts[k].value[self._axial] = 1.0
-        elif mode < 3:
-            self._shifts[k].value[mode] = 1.0
+        elif motion < 3:
+            self._shifts[k].value[motion] = 1.0
         else:
-            self._spins[k].value[mode - 3] = 1.0 / self.arm_mm
+            self._spins[k].value[motion - 3] = 1.0 / self.arm_mm
 
     def update(self, step: FloatArray) -> None:
         """Move the bodies by an increment of their unknowns, shape (size,) (empty: refresh the fields only)."""
         if len(step):
             change = step.reshape(self.values.shape)
-            self.values[:] = moved(self.values, change, self.arm_mm)
+            self.values[:] = moved(self.values, change, self.arm_mm, self.motions)
+        six = as_six(self.values, self.motions)
         for body, cells in enumerate(self.cells):
-            value = self.values[body]
-            shift = np.zeros(3)
+            shift = six[body, :3].copy()
             turn = np.eye(3)
-            if self.modes == 1:
-                shift[self._axial] = value[0]
+            if self.motions == AXIAL:
+                shift[[AXIAL[0], self._axial]] = shift[[self._axial, AXIAL[0]]]
             else:
-                shift[:] = value[:3]
-                turn = Rotation.from_rotvec(value[3:] / self.arm_mm).as_matrix()
+                turn = Rotation.from_rotvec(six[body, 3:] / self.arm_mm).as_matrix()
             self._translation.x.array.reshape(-1, 3)[cells] = shift
             self._rotation.x.array.reshape(-1, 9)[cells] = turn.ravel()
 
     def turns(self) -> FloatArray:
-        """Rotations of the bodies, shape (bodies, 3, 3); only for bodies with all six motions."""
-        return np.asarray(Rotation.from_rotvec(self.values[:, 3:] / self.arm_mm).as_matrix())
+        """Rotations of the bodies, shape (bodies, 3, 3)."""
+        return np.asarray(Rotation.from_rotvec(as_six(self.values, self.motions)[:, 3:] / self.arm_mm).as_matrix())
 
     def _per_body(self, form: Any) -> FloatArray:
         values = compat.assemble_array(form, self._cell_map)
@@ -183,28 +186,33 @@ class BondedBodies:
 
     def forces(self) -> FloatArray:
         """Derivative of the bond energy with respect to the body unknowns, shape (size,)."""
-        out = np.empty((self.count, self.modes))
-        for mode in range(self.modes):
-            self._aim(0, mode)
-            out[:, mode] = self._per_body(self._force_form)
+        out = np.empty((self.count, len(self.motions)))
+        for i, motion in enumerate(self.motions):
+            self._aim(0, motion)
+            out[:, i] = self._per_body(self._force_form)
         return out.ravel()
 
-    def columns(self) -> FloatArray:
-        """Coupling of dofs and modes, all bodies added up, on the owned dofs, shape (owned, modes)."""
-        out = np.empty((self._index_map.size_local, self.modes))
-        for mode in range(self.modes):
-            self._aim(0, mode)
-            out[:, mode] = compat.assemble_array(self._column_form, self._index_map)
+    def columns(self, motions: Sequence[int]) -> FloatArray:
+        """Coupling of dofs and motions, all bodies added up, on the owned dofs, shape (owned, motions)."""
+        out = np.empty((self._index_map.size_local, len(motions)))
+        for i, motion in enumerate(motions):
+            self._aim(0, motion)
+            out[:, i] = compat.assemble_array(self._column_form, self._index_map)
         return out
 
-    def blocks(self) -> FloatArray:
-        """Second derivative of the bond energy in the unknowns of each body, shape (bodies, modes, modes)."""
-        out = np.empty((self.count, self.modes, self.modes))
-        for i in range(self.modes):
-            self._aim(0, i)
-            for j in range(i + 1):
-                self._aim(1, j)
+    def blocks(self, motions: Sequence[int]) -> FloatArray:
+        """Second derivative of the energy, the pressure's on a plate included, in motions of each body.
+
+        Shape (bodies, motions, motions).
+        """
+        out = np.empty((self.count, len(motions), len(motions)))
+        for i, motion in enumerate(motions):
+            self._aim(0, motion)
+            for j, other in enumerate(motions[: i + 1]):
+                self._aim(1, other)
                 out[:, i, j] = out[:, j, i] = self._per_body(self._block_form)
+        if self._plate is not None:
+            out[self._plate] -= self.load.inside_mpa() * self.plate_curvature(motions)
         return out
 
     @property
@@ -212,7 +220,7 @@ class BondedBodies:
         """Place of the plate's axial motion among the unknowns; None without a plate."""
         if self._plate is None:
             return None
-        return self._plate * self.modes + (2 if self.modes == 6 else 0)
+        return self._plate * len(self.motions) + self.motions.index(AXIAL[0])
 
     def dead_forces(self) -> FloatArray:
         """Dead force on the body unknowns, N, shape (size,)."""
@@ -221,22 +229,30 @@ class BondedBodies:
             out[self.plate_axial] = self.dead_force_n
         return out
 
-    def plate_volume(self) -> tuple[float, FloatArray, FloatArray]:
+    def plate_volume(self) -> tuple[float, FloatArray]:
         """What the plate adds to the integral of the cavity's walls to make it the enclosed volume.
 
         Returns
         -------
         tuple
-            As `solvers.bodies.plate.enclosed_by_plate`, the derivatives by the unknowns of all bodies, shapes (size,)
-            and (bodies, modes, modes).
+            mm^3, and its derivative by the unknowns of all bodies, mm^2, shape (size,).
         """
-        slope, curvature = np.zeros((self.count, self.modes)), np.zeros((self.count, self.modes, self.modes))
-        if self._plate is None or self.modes == 1:
-            return 0.0, slope.ravel(), curvature
-        volume, slope[self._plate], curvature[self._plate] = enclosed_by_plate(
-            self.values[self._plate], self.arm_mm, self._plate_area
-        )
-        return volume, slope.ravel(), curvature
+        slope = np.zeros((self.count, len(self.motions)))
+        if self._plate is None or self.motions == AXIAL:
+            return 0.0, slope.ravel()
+        volume, by_motion, _ = self._enclosed()
+        slope[self._plate] = by_motion[list(self.motions)]
+        return volume, slope.ravel()
+
+    def plate_curvature(self, motions: Sequence[int]) -> FloatArray:
+        """Second derivative of the same by motions of the plate, mm, shape (motions, motions)."""
+        return self._enclosed()[2][np.ix_(list(motions), list(motions))]
+
+    def _enclosed(self) -> tuple[float, FloatArray, FloatArray]:
+        """See `solvers.bodies.plate.enclosed_by_plate`."""
+        assert self._plate is not None
+        six = as_six(self.values[[self._plate]], self.motions)[0]
+        return enclosed_by_plate(six, self.arm_mm, self._plate_area)
 
     # ---- as a term -------------------------------------------------------------------------------------
 
@@ -258,8 +274,8 @@ class BondedBodies:
 
     def add_to(self, matrix: Any) -> None:
         """Add the bodies' rows, columns and blocks."""
-        blocks = self.blocks() - self.load.inside_mpa() * self.plate_volume()[2]
-        self.border.add(matrix, self.columns(), blocks, self.is_held.reshape(self.values.shape))
+        held = self.is_held.reshape(self.values.shape)
+        self.border.add(matrix, self.columns(self.motions), self.blocks(self.motions), held)
 
     def check(self) -> None:
         """Nothing to refuse."""

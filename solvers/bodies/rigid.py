@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from solvers.discrete.domain import FloatArray
+
+# Motions of a rigid body by number: translations along x, y and z, then rotations about them.
+MOTIONS = 6
+EVERY_MOTION = tuple(range(MOTIONS))
+AXIAL = (2,)
 
 
 @dataclass(frozen=True)
@@ -25,8 +31,9 @@ class RigidBodies:
         Axial position of each body's centre on the axis, shape (bodies,).
     arm_mm
         Length that turns rotations into displacements, so that all unknowns are in mm.
-    axial_only
-        True where symmetry leaves a body of a three-dimensional mesh only its axial motion, as in a sector.
+    motions
+        Of the six motions those that symmetry leaves the bodies of a three-dimensional mesh, ascending: in a sector
+        the axial one. On a meridian it is that in any case.
     plate
         Number of the body that closes the cavity by a plane through its centre, normal to the axis; None for none.
     plate_area_mm2
@@ -38,7 +45,7 @@ class RigidBodies:
     plate_closes
         False for a plate on which the cavity does not end: then it closes nothing.
     held
-        Motions of each body that symmetry holds, shape (bodies, motions); None for none.
+        Which of these motions symmetry holds besides, of each body, shape (bodies, motions); None for none.
     """
 
     normal_mpa_per_mm: float
@@ -46,7 +53,7 @@ class RigidBodies:
     grade: FloatArray
     centres_mm: FloatArray
     arm_mm: float
-    axial_only: bool = False
+    motions: tuple[int, ...] = EVERY_MOTION
     plate: int | None = None
     plate_area_mm2: float = 0.0
     plate_held: bool = False
@@ -54,9 +61,13 @@ class RigidBodies:
     plate_closes: bool = True
     held: NDArray[np.bool_] | None = None
 
+    def motions_on(self, axisymmetric: bool) -> tuple[int, ...]:
+        """The motions that a body has on a meridian, or in three dimensions."""
+        return AXIAL if axisymmetric else self.motions
+
     def held_motions(self, axisymmetric: bool) -> NDArray[np.bool_]:
-        """Which motions are held, shape (bodies, motions): one axial motion on a meridian and in a sector, else six."""
-        held = np.zeros((len(self.centres_mm), 1 if axisymmetric or self.axial_only else 6), dtype=bool)
+        """Which of the bodies' motions are held, shape (bodies, motions)."""
+        held = np.zeros((len(self.centres_mm), len(self.motions_on(axisymmetric))), dtype=bool)
         if self.held is not None:
             held |= self.held
         if self.plate is not None and self.plate_held:
@@ -64,11 +75,28 @@ class RigidBodies:
         return held
 
 
-def moved(values: FloatArray, change: FloatArray, arm_mm: float) -> FloatArray:
-    """Body unknowns after an increment: translations add, rotations multiply from the right."""
-    out = values + change
-    if values.shape[1] == 6:
-        for k in range(len(values)):
-            turn = Rotation.from_rotvec(values[k, 3:] / arm_mm) * Rotation.from_rotvec(change[k, 3:] / arm_mm)
-            out[k, 3:] = turn.as_rotvec() * arm_mm
+def as_six(values: FloatArray, motions: Sequence[int]) -> FloatArray:
+    """Values of some motions, shape (bodies, motions), among zeros for the others, shape (bodies, 6)."""
+    out = np.zeros((len(values), MOTIONS))
+    out[:, list(motions)] = values
     return out
+
+
+def turning(motions: Sequence[int]) -> bool:
+    """True if a rotation is among the motions."""
+    return any(motion >= 3 for motion in motions)
+
+
+def moved(values: FloatArray, change: FloatArray, arm_mm: float, motions: Sequence[int] = EVERY_MOTION) -> FloatArray:
+    """Body unknowns after an increment: translations add, rotations multiply from the right.
+
+    Symmetry leaves a body all rotations or those about one axis, which stay so.
+    """
+    if not turning(motions):
+        return values + change
+    before, more = as_six(values, motions), as_six(change, motions)
+    out = before + more
+    for k in range(len(values)):
+        turn = Rotation.from_rotvec(before[k, 3:] / arm_mm) * Rotation.from_rotvec(more[k, 3:] / arm_mm)
+        out[k, 3:] = turn.as_rotvec() * arm_mm
+    return out[:, list(motions)]

@@ -20,7 +20,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from solvers.assembly.unknowns import Unknowns
-from solvers.bodies.rigid import RigidBodies
+from solvers.bodies.rigid import RigidBodies, as_six, turning
 from solvers.discrete.domain import FloatArray, IntArray
 
 
@@ -37,11 +37,19 @@ class Turning:
         Axial position of each body's centre on the axis, shape (bodies,).
     arm_mm
         Length by which body unknowns carry rotations.
+    motions
+        Those that bodies have; unknowns of bodies have the shape (bodies, motions).
     """
 
     def __init__(
-        self, dofs: Sequence[IntArray], positions_mm: Sequence[FloatArray], centres_mm: FloatArray, arm_mm: float
+        self,
+        dofs: Sequence[IntArray],
+        positions_mm: Sequence[FloatArray],
+        centres_mm: FloatArray,
+        arm_mm: float,
+        motions: Sequence[int],
     ) -> None:
+        self._motions = tuple(motions)
         self._dofs, self._positions, self._arm = list(dofs), list(positions_mm), arm_mm
         self._marked: list[tuple[Rotation, FloatArray]] = []
         self._centres = np.column_stack([np.zeros((len(centres_mm), 2)), centres_mm])
@@ -52,9 +60,10 @@ class Turning:
         Parameters
         ----------
         values, bodies_mm
-            Owned dofs, and unknowns of the bodies, shape (bodies, 6).
+            Owned dofs, and unknowns of the bodies.
         """
-        self._marked = [self._arms(values, bodies_mm, body) for body in range(len(self._dofs))]
+        six = as_six(bodies_mm, self._motions)
+        self._marked = [self._arms(values, six, body) for body in range(len(self._dofs))]
 
     def _arms(self, values: FloatArray, bodies_mm: FloatArray, body: int) -> tuple[Rotation, FloatArray]:
         """Rotation of a body, and arms of its bonded points in its frame, mm."""
@@ -72,13 +81,14 @@ class Turning:
         before
             The same before it.
         bodies_mm, step
-            Unknowns of the bodies before the increment, and their increment, shape (bodies, 6).
+            Unknowns of the bodies before the increment, and their increment.
         """
+        six, change = as_six(bodies_mm, self._motions), as_six(step, self._motions)
         for body, dofs in enumerate(self._dofs):
-            turn = step[body, 3:] / self._arm
+            turn = change[body, 3:] / self._arm
             if not turn.any() or not len(dofs):
                 continue
-            frame, arm = self._arms(before, bodies_mm, body)
+            frame, arm = self._arms(before, six, body)
             old_frame, old_arm = self._marked[body]
             finite = frame.apply(Rotation.from_rotvec(turn).apply(arm) - arm)
             values[dofs] += finite - old_frame.apply(np.cross(turn, old_arm))
@@ -86,7 +96,8 @@ class Turning:
 
 def turning_bodies(unknowns: Unknowns, bodies: RigidBodies, bonded: Sequence[IntArray]) -> Turning | None:
     """The bonded points of bodies, from the owned dofs bonded to each; None if they cannot turn."""
-    if unknowns.bodies_mm.shape[1] != 6:
+    motions = bodies.motions_on(unknowns.domain.axisymmetric)
+    if not turning(motions):
         return None
     dofs, positions = [], []
     owned = (unknowns.u_dofs >= 0).all(axis=1) & (unknowns.u_dofs < unknowns.owned).all(axis=1)
@@ -94,4 +105,4 @@ def turning_bodies(unknowns: Unknowns, bodies: RigidBodies, bonded: Sequence[Int
         nodes = np.flatnonzero(owned & np.isin(unknowns.u_dofs, of_body).all(axis=1))
         dofs.append(unknowns.u_dofs[nodes])
         positions.append(np.asarray(unknowns.domain.mesh.geometry.x[nodes]))
-    return Turning(dofs, positions, np.asarray(bodies.centres_mm), bodies.arm_mm)
+    return Turning(dofs, positions, np.asarray(bodies.centres_mm), bodies.arm_mm, motions)

@@ -10,7 +10,7 @@ from mpi4py import MPI
 
 from solvers.discrete.domain import FloatArray
 from solvers.discrete.sums import Joint, joint_dot
-from solvers.equilibrium.controls import Control
+from solvers.equilibrium.controls import Control, HeldLoad
 from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
 from solvers.problem import Problem
@@ -61,7 +61,7 @@ class NewtonReport:
     Attributes
     ----------
     iterations, factorisations
-        Newton iterations, and factorisations made (one of them for the stability count).
+        Newton iterations, and factorisations made (one of them or more for the stability count).
     residual
         Final relative residual.
     min_det_f, largest_stretch
@@ -139,8 +139,8 @@ def solve_equilibrium(
             det_f, stretch = _check_state(problem)
             factor.refresh()  # the stability count is that of the converged state
             compliance = joint_dot(problem.comm, here.gradient, factor.solve(*here.force))
-            used = factor.count - before
-            return NewtonReport(iteration, used, new_error, det_f, stretch, factor.excess_negatives, compliance)
+            unstable = factor.unstable_modes()
+            return NewtonReport(iteration, factor.count - before, new_error, det_f, stretch, unstable, compliance)
         if new_error > 1e8 or iteration == settings.max_iterations:
             raise StepFailed(f"no convergence: relative residual {new_error:.1e} after {iteration} iterations")
         reuse = iteration > 0 and new_error < settings.reuse_below * error
@@ -151,6 +151,14 @@ def solve_equilibrium(
                 problem.turning.mark(problem.state.x.array[: problem.owned], problem.body_values)
         moved, here = _advance(problem, settings, control, error, _increment(problem, factor, control, here))
     raise AssertionError("unreachable")
+
+
+def relative_residual(problem: Problem) -> float:
+    """How far the current state is from equilibrium at its load: the error that `solve_equilibrium` brings down.
+
+    Every rank calls.
+    """
+    return _residual(problem, HeldLoad(float(problem.pressure.value))).error
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -47,6 +47,8 @@ class Factored(Protocol):
     def conservative(self) -> bool: ...  # noqa: D102
     @property
     def expected_negatives(self) -> int: ...  # noqa: D102
+    @property
+    def massless(self) -> Any: ...  # noqa: D102
     def new_matrix(self) -> Any: ...  # noqa: D102
     def assemble_tangent(self, matrix: Any) -> None: ...  # noqa: D102
 
@@ -164,6 +166,21 @@ class Factor:
         if not self.problem.conservative:
             return None
         return int(self.negatives - self.problem.expected_negatives)
+
+    def unstable_modes(self) -> int | None:
+        """Unstable modes at held load of the state that was factored last; None if they cannot be counted.
+
+        Every rank calls.
+        """
+        return self.excess_negatives
+
+    def of_classes(self) -> Iterator[tuple[str, Factor]]:
+        """Names and factors of the tangents whose modes together are those of the current state.
+
+        Here it is one, without a name. Each is made when its turn comes, in place of the one before.
+        """
+        self.refresh()
+        yield "", self
 
     def solve(self, on_dofs: FloatArray, on_bodies: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Solve with the current factor.

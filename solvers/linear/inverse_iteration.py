@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
-from numpy.typing import NDArray
 
 from solvers.discrete.domain import FloatArray
 from solvers.discrete.sums import dot
@@ -15,7 +16,24 @@ ITERATIONS = 30
 SETTLED = 1e-6
 
 
-def softest_mode(factor: Factor, start: FloatArray, massless: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
+@dataclass(frozen=True)
+class SoftMode:
+    """A mode, of no particular size.
+
+    Attributes
+    ----------
+    stiffness_n_per_mm
+        Its stiffness.
+    dofs, bodies
+        On the owned dofs, its pressures included, shape (owned,), and on the bodies, shape (extra,).
+    """
+
+    stiffness_n_per_mm: float
+    dofs: FloatArray
+    bodies: FloatArray
+
+
+def softest_mode(factor: Factor, start: FloatArray) -> SoftMode:
     """Inverse iteration ``x <- K^-1 D x`` with D = 1 on displacements and bodies, 0 on pressures.
 
     This is that of the stiffness condensed to displacements that keep the volume of the cells.
@@ -25,22 +43,19 @@ def softest_mode(factor: Factor, start: FloatArray, massless: NDArray[np.bool_])
     factor
         Of the tangent K.
     start
-        First vector on the owned dofs, shape (owned,).
-    massless
-        Which of them are pressures or held.
+        First vector on the owned dofs, shape (owned,); what it has on those without mass does not matter.
 
     Returns
     -------
-    tuple of ndarray
-        The mode on the owned dofs, its pressures included, and on the bodies; of no particular size.
+    SoftMode
 
     Raises
     ------
     StepFailed
         If a solve fails, or no stiffness comes out of it.
     """
-    comm = factor.problem.comm
-    dofs, bodies = start, np.zeros(factor.problem.extra)
+    comm, massless = factor.problem.comm, factor.problem.massless
+    dofs, bodies = start.copy(), np.zeros(factor.problem.extra)
     stiffness = np.inf
     for _ in range(ITERATIONS):
         dofs[massless] = 0.0
@@ -55,4 +70,4 @@ def softest_mode(factor: Factor, start: FloatArray, massless: NDArray[np.bool_])
         if abs(new - stiffness) <= SETTLED * abs(new):
             break
         stiffness = new
-    return dofs, bodies
+    return SoftMode(new, dofs, bodies)

@@ -24,6 +24,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from solvers import compat
+from solvers.bodies.rigid import EVERY_MOTION
 from solvers.discrete.domain import FloatArray
 from solvers.errors import Cause, SolverError, StepFailed
 from solvers.linear.factor import Factor
@@ -71,7 +72,7 @@ class IterativeSolver(Factor):
     problem: Problem
 
     def __init__(self, problem: Problem, settings: IterativeSettings | None = None) -> None:
-        whole = problem.bonded is None or problem.bonded.modes == 6
+        whole = problem.bonded is None or problem.bonded.motions == EVERY_MOTION
         if problem.unknowns.dimension != 3 or problem.element.displacement_degree != 2 or not whole:
             raise SolverError(
                 "the iterative solver is for whole bodies in 3D with quadratic displacements: meridians and sectors "

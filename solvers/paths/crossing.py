@@ -89,10 +89,10 @@ def locate_crossing(
     assert before.unstable is not None and high.unstable is not None
     pressure = 0.5 * (low.pressure_mpa + high.pressure_mpa)
     problem.set_state(high.state)
+    mode, of_class = None, ""
     try:
-        mode = replace(critical_mode(problem, factor), load_mpa=pressure)
+        mode, of_class = critical_mode(problem, factor)
     except StepFailed:
-        mode = None
         problem.set_state(high.state)
     return Crossing(
         kind=kind_of(low, high),
@@ -102,12 +102,13 @@ def locate_crossing(
         modes_before=before.unstable,
         modes_after=high.unstable,
         state=high.state,
-        mode=mode,
+        mode=None if mode is None else replace(mode, load_mpa=pressure),
+        of_class=of_class,
     )
 
 
-def critical_mode(problem: Problem, factor: Factor) -> State:
-    """The displacement mode whose stiffness is closest to zero, scaled to 1 mm at most.
+def critical_mode(problem: Problem, factor: Factor) -> tuple[State, str]:
+    """The displacement mode whose stiffness is closest to zero, scaled to 1 mm at most, and its parity class if any.
 
     By inverse iteration; its start is random in the caller's numbering, so that the mode does not depend on the number
     of ranks.
@@ -115,12 +116,12 @@ def critical_mode(problem: Problem, factor: Factor) -> State:
     Parameters
     ----------
     problem, factor
-        The problem at the state in question; one factorisation is made. The state is left as it was.
+        The problem at the state in question; a factorisation of each class is made. The state is left as it was.
 
     Returns
     -------
-    State
-        The mode; ``load_mpa`` is that of the state.
+    tuple
+        The mode, whose ``load_mpa`` is that of the state, and the class; see `Crossing`.
 
     Raises
     ------
@@ -128,25 +129,25 @@ def critical_mode(problem: Problem, factor: Factor) -> State:
         If it cannot be computed.
     """
     here = problem.get_state()
-    factor.refresh()
     rng = np.random.default_rng(29)
     blank = problem.zero_state()
     start = State(
         rng.standard_normal(blank.displacement_mm.shape), blank.pressure_mpa, 0.0 * blank.bodies_mm, here.load_mpa
     )
     problem.set_state(start)
-    massless = problem.owned_pressure | problem.constrained_owned
-    dofs, bodies = softest_mode(factor, problem.state.x.array[: problem.owned].copy(), massless)
-    moves = dofs[~problem.owned_pressure]
+    first = problem.state.x.array[: problem.owned].copy()
+    problem.set_state(here)
+    found = [(softest_mode(of, first), name) for name, of in factor.of_classes()]
+    softest, of_class = min(found, key=lambda pair: abs(pair[0].stiffness_n_per_mm))
+    moves = softest.dofs[~problem.owned_pressure]
     largest = problem.comm.allreduce(float(np.abs(moves).max(initial=0.0)), op=MPI.MAX)
-    problem.state.x.array[: problem.owned] = dofs / largest
+    problem.state.x.array[: problem.owned] = softest.dofs / largest
     problem.state.x.scatter_forward()
     raw = problem.get_state()
-    shape = blank.bodies_mm.shape
+    count = len(blank.bodies_mm)
+    bodies = softest.bodies.reshape(count, len(softest.bodies) // max(1, count)) / largest
     # the sign of an eigenvector is nobody's: its largest component is made positive
     sign = np.sign(raw.displacement_mm.flat[np.argmax(np.abs(raw.displacement_mm))])
-    mode = State(
-        sign * raw.displacement_mm, sign * raw.pressure_mpa, sign * (bodies / largest).reshape(shape), here.load_mpa
-    )
+    mode = State(sign * raw.displacement_mm, sign * raw.pressure_mpa, sign * bodies, here.load_mpa)
     problem.set_state(here)
-    return mode
+    return mode, of_class

@@ -197,6 +197,9 @@ class Crossing:
     state, mode
         The state there, and the critical mode as displacements with 1 mm at most (its ``load_mpa`` is the critical
         pressure); None when only the numbers were kept, or the mode could not be computed.
+    of_class
+        Of a part of a body between planes of symmetry, the parity class that the mode belongs to
+        (`solvers.stability.parity`), whose motions its bodies have; else empty.
     """
 
     kind: Cause
@@ -207,6 +210,7 @@ class Crossing:
     modes_after: int
     state: State | None = None
     mode: State | None = None
+    of_class: str = ""
 
 
 @dataclass(frozen=True)

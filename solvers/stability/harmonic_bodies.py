@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from solvers import compat
 from solvers.bodies.bond import BondedBodies
-from solvers.bodies.rigid import RigidBodies
+from solvers.bodies.rigid import AXIAL, RigidBodies
 from solvers.discrete.domain import FloatArray
 from solvers.discrete.kinematics import Kinematics
 from solvers.stability.harmonic_forms import Wave
@@ -110,7 +110,7 @@ class HarmonicBond:
     def held(self, waves: int) -> NDArray[np.bool_]:
         """Which motions of the bodies the harmonic does not have or a support holds, shape (bodies, 2)."""
         held = np.full((self._bonded.count, MOTIONS), waves > 1)
-        if self._bodies.axial_only:
+        if self._bodies.motions == AXIAL:
             held[:, 1] = True
             held[:, 0] |= waves == 1
         if self._bodies.plate is not None and self._bodies.plate_held:

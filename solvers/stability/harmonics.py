@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 from dolfinx import fem
+from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from solvers import compat
@@ -215,6 +216,13 @@ class Harmonics:
         component = 0 if self.waves == 1 else 2
         dofs = self.u_dofs[np.argmax(self.domain.mesh.geometry.x[:, 0])]
         return component, int(dofs[component])
+
+    @property
+    def massless(self) -> NDArray[np.bool_]:
+        """Owned dofs that are pressures or held, shape (owned,)."""
+        out = self.is_constrained.copy()
+        out[self.p_dofs] = True
+        return out
 
     # ---- the matrix, as `solvers.linear.factor.Factor` wants it ----------------------------------------------------
 

@@ -113,10 +113,8 @@ class ModeCounter:
         """
         self.count(state, waves)
         h = self.harmonics
-        massless = h.is_constrained.copy()
-        massless[h.p_dofs] = True
-        dofs, bodies = softest_mode(self.factor, np.random.default_rng(29).standard_normal(h.owned), massless)
-        raw = h.shape_of(dofs, bodies)
+        mode = softest_mode(self.factor, np.random.default_rng(29).standard_normal(h.owned))
+        raw = h.shape_of(mode.dofs, mode.bodies)
         # the sign of an eigenvector is nobody's: its largest component is made positive
         largest = raw.amplitude_mm.flat[np.argmax(np.abs(raw.amplitude_mm))]
         return Shape(waves, raw.amplitude_mm / largest, raw.bodies_mm / largest)

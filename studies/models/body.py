@@ -182,7 +182,7 @@ def _twist(scene: BodyScene, g: CylinderGeometry, log: Log) -> tuple[Equilibrium
     """The path of a twisted cylinder, and torque and axial force at its end: derivatives of the energy by the plate."""
     bonded = log.problem.bonded
     assert bonded is not None and scene.load.twist_rad_per_mm is not None
-    motion = np.zeros((1, bonded.modes))
+    motion = np.zeros((1, len(bonded.motions)))
     motion[0, 5] = scene.load.twist_rad_per_mm * g.length_mm * bonded.arm_mm
     path = follow_motion(log.problem, log.factor, motion, NewtonSettings(), log.keep)
     if not path.reached:

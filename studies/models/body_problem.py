@@ -26,7 +26,7 @@ from meshes.solid import FACETS, FloatArray, IntArray, SolidMesh
 from meshes.surface import surface_weights
 from meshes.sweep import revolve_hexahedra
 from solvers.assembly.surfaces import SOFT, Surfaces
-from solvers.bodies.rigid import RigidBodies
+from solvers.bodies.rigid import AXIAL, RigidBodies
 from solvers.discrete.domain import create_domain
 from solvers.energy.materials import Material
 from solvers.problem import Problem
@@ -162,7 +162,7 @@ def _plate(body: Body, stiffer: float) -> RigidBodies:
         return RigidBodies(twist, twist, grade, centre, 1.0, plate=0, plate_held=True)
     inner = float(np.hypot(points[:, 0], points[:, 1] * (body.mesh.dimension == 3)).min())
     area = math.pi * inner**2
-    return RigidBodies(stiffer * CAP_MPA_PER_MM, 0.0, grade, centre, 1.0, axial_only=True, plate=0, plate_area_mm2=area)
+    return RigidBodies(stiffer * CAP_MPA_PER_MM, 0.0, grade, centre, 1.0, motions=AXIAL, plate=0, plate_area_mm2=area)
 
 
 def measures(scene: BodyScene, mesh: SolidMesh) -> dict[str, Callable[[State], float]]:

@@ -16,7 +16,7 @@ from meshes.revolve import revolve_scalar, revolve_vector
 from meshes.solid import FACETS, REGIONS, SolidMesh
 from meshes.surface import surface_weights
 from solvers.assembly.surfaces import SOFT, STIFF, Surfaces
-from solvers.bodies.rigid import RigidBodies
+from solvers.bodies.rigid import AXIAL, EVERY_MOTION, RigidBodies
 from solvers.discrete.domain import create_domain
 from solvers.discrete.elements import P1_P0, P2_P0, Element
 from solvers.problem import Problem
@@ -68,7 +68,7 @@ def scene_problem(scene: BellowsScene, mesh: SolidMesh | None, comm: MPI.Comm) -
             grade,
             centres,
             shape.seat_radius_mm,
-            axial_only=cut,
+            motions=AXIAL if cut else EVERY_MOTION,
             plate=len(centres) - 1 if plate else None,
             plate_area_mm2=comm.bcast(None if mesh is None else _rim_area(mesh)) if plate else 0.0,
             plate_held=scene.blocked,
@@ -105,16 +105,19 @@ def _bond_to_plate(mesh: SolidMesh, number: int) -> SolidMesh:
 
 
 def _rim_area(mesh: SolidMesh) -> float:
-    """Area within the inner rim of the open end, mm^2: by parabolas where a whole circle is meshed so, else exact."""
+    """Area within the inner rim of the open end, mm^2: by its parabolas in three dimensions; a sector's is its own."""
     z = mesh.points[:, -1]
     r = np.hypot(mesh.points[:, 0], mesh.points[:, 1]) if mesh.dimension == 3 else mesh.points[:, 0]
     end = np.isclose(z, mesh.points[mesh.tip_centre_node, -1])
     inner = r[end].min()
     rim = np.flatnonzero(end & np.isclose(r, inner))
-    if mesh.dimension == 2 or FACETS["start"] in mesh.facet_tags:
+    if mesh.dimension == 2:
         return float(np.pi * inner**2)
-    x, y = mesh.points[rim[np.argsort(mesh.angle_rad[rim])], :2].T  # corners and middles in turn, a corner first
-    a, b, c = (np.array([np.roll(x, -k)[::2], np.roll(y, -k)[::2]]) for k in range(3))
+    along = rim[np.argsort(mesh.angle_rad[rim])]  # corners and middles in turn, a corner first
+    if FACETS["start"] not in mesh.facet_tags:
+        along = np.append(along, along[0])
+    corners, middles = mesh.points[along[::2], :2].T, mesh.points[along[1::2], :2].T
+    a, b, c = corners[:, :-1], middles, corners[:, 1:]
 
     def cross(p: np.ndarray, q: np.ndarray) -> np.ndarray:
         return np.asarray(p[0] * q[1] - p[1] * q[0])

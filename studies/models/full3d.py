@@ -1,4 +1,9 @@
-"""The whole body of a bellows in 3D, or a sector of it, at the requested pressures: each from an axisymmetric state."""
+"""The whole body of a bellows in 3D, or a sector of it, at the requested pressures: each from an axisymmetric state.
+
+A whole body that is four images of a quarter is solved on the quarter: its states are mirrored, its unstable modes
+counted by parity classes (`solvers.stability.parity`), and each requested state is proved by the residual of the whole
+body in it.
+"""
 
 from __future__ import annotations
 
@@ -10,24 +15,35 @@ from typing import Literal
 
 from mpi4py import MPI
 
-from meshes.solid import SolidMesh
+from meshes.solid import FACETS, SolidMesh
 from solvers.errors import Cause
 from solvers.linear.factor import Factor
 from solvers.linear.krylov import IterativeSolver
-from solvers.paths.states import GuessMemory, PathSettings
+from solvers.paths.states import GuessMemory, PathSettings, PathState
 from solvers.paths.states import Path as EquilibriumPath
 from solvers.paths.warm_start import follow_guesses
+from solvers.problem import Problem
+from solvers.stability.parity import ParityFactor, Plane
 from solvers.state import State
 from studies.first_rank import first
 from studies.models.build import Tip, masses_g, revolve_state, scene_problem
 from studies.models.gaps import GapMeter
-from studies.models.run_log import Log, begin, path_row, without_fields, write_fields
+from studies.models.mirrored import Diagonal, Proof, mirror
+from studies.models.run_log import Job, Log, begin, forget, path_row, without_fields, write_fields
 from studies.planning.levels import BodyLevel
 from studies.progress import Progress
-from studies.results.run_files import load_state
+from studies.results.run_files import PathRow, load_state
 from studies.results.runs import Run, finished_run, run_hash
 from studies.scene.bellows import BellowsScene, core_shift_mm
-from studies.scene.meshes import SECTORS, scene_body, scene_meridian
+from studies.scene.meshes import (
+    AS_A_WHOLE,
+    ON_A_QUARTER,
+    SECTORS,
+    scene_body,
+    scene_meridian,
+    symmetry_note,
+    whole_because,
+)
 
 SolidModel = Literal["sector", "full3d"]
 # Beside states that were solved iteratively.
@@ -35,6 +51,16 @@ NOT_COUNTED = (
     "unstable modes of this body: an iterative solve has no inertia; the axisymmetric run has those that keep the "
     "symmetry, a coarser body that is factorised the others"
 )
+
+
+# The quarter's planes of symmetry.
+PLANES = (Plane(FACETS["start"], 1), Plane(FACETS["end"], 0))
+# A mirrored state is one of the whole body if its residual there is at most so many times that on the quarter, or this.
+PROVED_TIMES, PROVED = 10.0, 1e-7
+
+
+class NeedsWhole(Exception):
+    """The quarter does not do; the text says why, and every rank raises it."""
 
 
 def run_full3d(
@@ -66,23 +92,71 @@ def run_full3d(
     done = first(comm, lambda: _finished(scene, model, level, folder, content_hash))
     if done is not None:
         return done
-    job = begin(scene, model, level.name, folder, progress, skipped, content_hash)
+    notes = tuple(dict.fromkeys([*skipped, symmetry_note(scene, level.around)] if model == "full3d" else skipped))
+    job = begin(scene, model, level.name, folder, progress, notes, content_hash)
+    work = (scene, model, level, meridian_run, comm)
+    if model == "full3d" and not whole_because(scene, level.around):
+        try:
+            return _solve(job, *work, solved="sector")
+        except NeedsWhole as reason:
+            first(comm, lambda: forget(folder))
+            kept = tuple(note for note in notes if note != ON_A_QUARTER)
+            job = dataclasses.replace(job, notes=(*kept, f"{AS_A_WHOLE}{reason}"))
+    return _solve(job, *work, solved=model)
+
+
+def _solve(
+    job: Job,
+    scene: BellowsScene,
+    model: SolidModel,
+    level: BodyLevel,
+    meridian_run: Path,
+    comm: MPI.Comm,
+    solved: SolidModel,
+) -> Run:
+    """The run of a body whose equations are solved on it or on a sector.
+
+    Raises
+    ------
+    NeedsWhole
+        If the sector's states are none of the whole body, or the memory does not hold its factors.
+    """
+    folder = job.folder
     meridian, body = _meshes(scene, model, level, comm)
-    guesses = _guesses(scene, level, meridian_run, meridian, body, comm)
+    part = body if solved == model else scene_body(meridian, solved, level.around)
+    guesses = _guesses(scene, level, meridian_run, meridian, part, comm)
     meshed = time.perf_counter() - job.begin
-    problem = scene_problem(scene, body if comm.rank == 0 else None, comm)
+    problem = scene_problem(scene, part if comm.rank == 0 else None, comm)
     problem.timer.seconds["mesh"] = meshed
-    tip, parts = Tip(scene, body), SECTORS[model]
+    tip, parts = Tip(scene, part), SECTORS[solved]
+    proof = None
+    if solved != model:
+        proof = Proof(mirror(part, body, PLANES), scene_problem(scene, body if comm.rank == 0 else None, comm))
+
+    def row_of(item: PathState) -> PathRow:
+        row = path_row(item, tip, parts, job.sense)
+        if proof is None or not item.asked:
+            return row
+        with problem.timer("proof"):
+            return dataclasses.replace(row, whole_residual=_proved(proof, item))
+
     log = Log(
         job,
         problem,
-        IterativeSolver(problem) if model == "full3d" and scene.mesh.solver == "iterative" else Factor(problem),
+        _factor(scene, solved, problem, part, proof),
         body,
-        lambda item: path_row(item, tip, parts, job.sense),
+        row_of,
         # gaps are measured in planes through the axis, which a body that bends leaves
-        None if scene.geometry.eccentricity else GapMeter(scene, meridian, body),
+        None if scene.geometry.eccentricity else GapMeter(scene, meridian, part),
+        proof,
     )
-    path = _follow(log, guesses)
+    try:
+        path = _follow(log, guesses)
+        if path.cause is Cause.OUT_OF_MEMORY and proof is not None:
+            raise NeedsWhole(path.reason)
+    except NeedsWhole:
+        log.factor.close()
+        raise
     if path.cause is Cause.OUT_OF_MEMORY and model == "full3d" and scene.mesh.solver == "auto":
         log.notes.append(f"{path.reason}: solved iteratively from there")
         log.change_solver(IterativeSolver)
@@ -96,6 +170,29 @@ def run_full3d(
     if comm.rank == 0 and scene.ask.fields:
         write_fields(folder, run, body, [row.pressure_kpa for row in run.requested])
     return run
+
+
+def _factor(scene: BellowsScene, solved: SolidModel, problem: Problem, part: SolidMesh, proof: Proof | None) -> Factor:
+    """What solves the equations, and counts."""
+    if proof is not None:
+        return ParityFactor(problem, PLANES, Diagonal(part).is_alike)
+    return IterativeSolver(problem) if solved == "full3d" and scene.mesh.solver == "iterative" else Factor(problem)
+
+
+def _proved(proof: Proof, item: PathState) -> float:
+    """Residual of the whole body in the mirrored state.
+
+    Raises
+    ------
+    NeedsWhole
+        If that is no equilibrium of it.
+    """
+    residual = proof.residual(item.state)
+    if not residual <= max(PROVED, PROVED_TIMES * item.newton.residual):
+        raise NeedsWhole(
+            f"the mirrored state at {1e3 * item.state.load_mpa:g} kPa has a residual of {residual:.1e} on it"
+        )
+    return residual
 
 
 def _finished(scene: BellowsScene, model: str, level: BodyLevel, folder: Path, content_hash: str) -> Run | None:

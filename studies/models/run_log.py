@@ -24,7 +24,7 @@ from solvers.errors import Cause, SolverError
 from solvers.linear.factor import Factor
 from solvers.paths.checkpoint import CheckpointError, read_checkpoint, write_checkpoint
 from solvers.paths.orders import MISSED
-from solvers.paths.states import Crossing, GuessMemory, PathMemory, PathState
+from solvers.paths.states import GuessMemory, PathMemory, PathState
 from solvers.paths.states import Path as EquilibriumPath
 from solvers.problem import Problem
 from solvers.vtu import write_mode, write_vtu
@@ -32,6 +32,7 @@ from studies.first_rank import first
 from studies.models.build import Tip
 from studies.models.contact import CONTACT_FILE, ContactWatch
 from studies.models.gaps import GapMeter, Touch
+from studies.models.mirrored import Proof
 from studies.planning.warnings import law_ranges, scene_warnings, stretch_warnings
 from studies.progress import Progress
 from studies.results import provenance
@@ -43,6 +44,7 @@ from studies.results.run_files import (
     SUMMARY_FILE,
     PathRow,
     RunSummary,
+    crossing_facts,
     field_file,
     load_state,
     save_state,
@@ -141,6 +143,23 @@ def without_missed(path: EquilibriumPath, notes: Sequence[str]) -> EquilibriumPa
     )
 
 
+def forget(folder: Path) -> None:
+    """Remove what a run has left; its summary first, so that nothing is taken for its result."""
+    names = (
+        SUMMARY_FILE,
+        PATH_FILE,
+        MEASURED_FILE,
+        CONTACT_FILE,
+        COLLECTION_FILE,
+        CHECKPOINT_FILE,
+        *(f"{MODE_FILE}.{kind}" for kind in ("npz", "vtu")),
+    )
+    for name in names:
+        (folder / name).unlink(missing_ok=True)
+    for name in (STATES_FOLDER, FIELDS_FOLDER):
+        shutil.rmtree(folder / name, ignore_errors=True)
+
+
 class Log:
     """A run on its way: what an interrupted one left is read first, each state is kept. Every rank calls.
 
@@ -152,6 +171,8 @@ class Log:
         A converged state as a row of path.csv.
     gaps
         Measures the gaps of its states; None leaves them out.
+    proof
+        Of a body that is solved on a part of it, ``mesh`` being the whole's: what is kept is the whole's.
     """
 
     def __init__(
@@ -162,7 +183,9 @@ class Log:
         mesh: SolidMesh,
         row_of: Callable[[PathState], PathRow],
         gaps: GapMeter | ContactWatch | None = None,
+        proof: Proof | None = None,
     ) -> None:
+        self.proof, self.parts = proof, 1 if proof is None else proof.mirrored.parts
         self.job, self.problem, self.factor, self.mesh, self.row_of = job, problem, factor, mesh, row_of
         self.comm, self._gaps = problem.comm, gaps
         self.rows: list[PathRow] = []
@@ -187,7 +210,7 @@ class Log:
             except CheckpointError as error:
                 found = str(error)
             if not isinstance(found, tuple):
-                self._clear()
+                forget(job.folder)
         found = self.comm.bcast(found)
         if isinstance(found, str):
             self.notes.append(f"{WARNING}{found}; this run started anew")
@@ -198,21 +221,6 @@ class Log:
             self._factorisations, self._seconds = kept["factorisations"], kept["seconds"]
             self.notes = list(kept["notes"])
             job.progress.warn(f"{job.label}: going on after {self.rows[-1].pressure_kpa:.6g} kPa, from its checkpoint")
-
-    def _clear(self) -> None:
-        """Remove what a run of another content has left; its summary first, so that nothing is taken for its result."""
-        names = (
-            SUMMARY_FILE,
-            PATH_FILE,
-            MEASURED_FILE,
-            CONTACT_FILE,
-            COLLECTION_FILE,
-            *(f"{MODE_FILE}.{kind}" for kind in ("npz", "vtu")),
-        )
-        for name in names:
-            (self.job.folder / name).unlink(missing_ok=True)
-        for name in (STATES_FOLDER, FIELDS_FOLDER):
-            shutil.rmtree(self.job.folder / name, ignore_errors=True)
 
     def change_solver(self, make: Callable[[Problem], Factor]) -> None:
         """Go on with another solver; what the last one made counts, and its memory is freed first."""
@@ -234,7 +242,8 @@ class Log:
         row = self.state(item)
         if item.asked and self.comm.rank == 0:
             with self.problem.timer("output"):
-                save_state(self.job.folder, self.job.content_hash, item.state, row)
+                state = item.state if self.proof is None else self.proof.mirrored.state(item.state)
+                save_state(self.job.folder, self.job.content_hash, state, row)
                 if isinstance(self._gaps, ContactWatch):
                     self._gaps.write(item)
 
@@ -258,7 +267,11 @@ class Log:
         with self.problem.timer("output"):
             crossing = memory.crossing
             if crossing is not None and crossing.state is not None and crossing.mode is not None and not self._has_mode:
-                write_mode(self.job.folder / MODE_FILE, self.mesh, crossing.state, crossing.mode)
+                pair = (crossing.state, crossing.mode)
+                if self.proof is not None:
+                    whole = self.proof.mirrored
+                    pair = (whole.state(crossing.state), whole.of_class(crossing.mode, crossing.of_class))
+                write_mode(self.job.folder / MODE_FILE, self.mesh, *pair)
                 self._has_mode = True
             notes = {
                 "rows": [asdict(row) for row in self.rows],
@@ -282,6 +295,7 @@ class Log:
         job, problem = self.job, self.problem
         path = without_missed(path, self.notes)
         made = self._factorisations + self.factor.count
+        solved = problem.index_map.size_global + problem.extra
         peak = provenance.peak_memory_mb(self.comm)
         self.factor.close()
         summary = None
@@ -295,7 +309,8 @@ class Log:
                 reason=ending(("vacuum: " if path.reason and job.sense < 0.0 else "") + path.reason, self.notes),
                 content_hash=job.content_hash,
                 plan=tuple(self.notes),
-                dofs=problem.index_map.size_global + problem.extra,
+                dofs=solved if self.proof is None else self.proof.unknowns,
+                solved_dofs=solved,
                 cells=len(self.mesh.cells),
                 nodes=len(self.mesh.points),
                 factorisations=made,
@@ -309,7 +324,7 @@ class Log:
                 },
                 peak_mb=peak,
                 cause=str(path.cause),
-                crossing=_facts(path.crossing, job.sense),
+                crossing=crossing_facts(path.crossing, job.sense, self.parts),
                 **provenance.stamp(self.comm),
             )
             write_path(job.folder, self.rows)
@@ -362,20 +377,6 @@ def path_row(item: PathState, tip: Tip | None, parts: int = 1, sense: float = 1.
         largest_stretch=item.newton.largest_stretch,
         residual=item.newton.residual,
     )
-
-
-def _facts(crossing: Crossing | None, sense: float) -> dict[str, Any]:
-    """A crossing for the summary, its load as a pressure."""
-    if crossing is None:
-        return {}
-    return {
-        "kind": str(crossing.kind),
-        "pressure_kpa": sense * 1e3 * crossing.pressure_mpa,
-        "within_kpa": 1e3 * crossing.within_mpa,
-        "volume_mm3": sense * crossing.volume_mm3,
-        "modes_before": crossing.modes_before,
-        "modes_after": crossing.modes_after,
-    }
 
 
 def write_fields(folder: Path, run: Run, mesh: SolidMesh, loads_kpa: Iterable[float]) -> None:

@@ -6,6 +6,7 @@ from studies.planning.error_model import MERIDIAN_SHARE, around_for, choose, kno
 from studies.planning.levels import FINER_MERIDIANS, MERIDIANS, Model
 from studies.planning.plan import Plan, tolerance_lines
 from studies.scene.bellows import RING_ERROR_PERCENT, BellowsScene, in_hexahedra
+from studies.scene.meshes import symmetry_note, whole_because
 from studies.scene.sections import SceneError
 
 # Cells round the circumference from which a sector tells that part of the error, where they share out to a quarter.
@@ -54,8 +55,8 @@ def plan_bellows(
     finer = () if fixed else tuple(f"r{m}" for m in FINER_MERIDIANS)
     if chosen == "axisymmetric":
         return Plan(chosen, levels, stop_when_met, tuple(skipped), finer=finer, fixed=fixed, choice=choice)
-    skipped += _left_out_in_3d(scene, chosen, bool(around))
     rounds = around or (around_for(scene, chosen),)
+    skipped += _left_out_in_3d(scene, chosen, rounds, bool(around))
     return Plan(chosen, levels, stop_when_met, tuple(skipped), rounds, sectors, finer=finer, fixed=fixed, choice=choice)
 
 
@@ -115,13 +116,15 @@ def _not_modelled(scene: BellowsScene, model: Model) -> list[str]:
     return skipped
 
 
-def _left_out_in_3d(scene: BellowsScene, model: Model, rounds_given: bool) -> list[str]:
+def _left_out_in_3d(scene: BellowsScene, model: Model, rounds: tuple[int, ...], rounds_given: bool) -> list[str]:
     """What a body in 3D leaves out."""
     tolerance = f"a tolerance of {scene.ask.tolerance_percent:g} % needs"
     skipped = []
     if model == "sector":
         skipped.append("three quarters of the body: what is left lies between two planes of symmetry")
         skipped.append("modes that break the symmetry: a sector's count of unstable modes cannot see them")
+    else:
+        skipped += dict.fromkeys(symmetry_note(scene, around) for around in rounds)
     if not rounds_given:
         skipped.append(f"more cells round the circumference than {tolerance}: a tenth of it is left to them")
     skipped.append("load steps of the 3D run: each requested pressure starts from the axisymmetric state, revolved")
@@ -149,5 +152,7 @@ def bellows_lines(scene: BellowsScene, plan: Plan) -> list[str]:
             f"  a quarter in 3D, {cells}, meridian level r{plan.body_levels[0]}, {around} cells round: {pressures} kPa"
         )
     for around in plan.around_levels:
-        lines.append(f"  {body}, {cells}, meridian level {meridians}, {around} cells round: {pressures} kPa")
+        quarter = plan.model == "full3d" and not whole_because(scene, around)
+        solved = f"{body} on a quarter" if quarter else body
+        lines.append(f"  {solved}, {cells}, meridian level {meridians}, {around} cells round: {pressures} kPa")
     return [*lines, *tolerance_lines(plan, scene.ask.tolerance_percent)]

@@ -18,7 +18,7 @@ from meshes.meridian import meridian_mesh
 from studies.planning.levels import BODY_MERIDIANS, MERIDIANS, BodyLevel, Model, body_level, fineness
 from studies.scene.bellows import BellowsScene, in_hexahedra, shape_of
 from studies.scene.materials import law_of
-from studies.scene.meshes import cell_kind, scene_resolution
+from studies.scene.meshes import cell_kind, quarters, scene_resolution, whole_because
 
 Cells = Literal["hex", "tet"]
 # The training set has no more convolutions than this.
@@ -29,9 +29,9 @@ FLOOR_PERCENT = 0.01
 # part and costs more to bring down; the rest is left to the scatter of the prediction.
 AROUND_SHARE, MERIDIAN_SHARE = 0.1, 0.5
 # Numbers of cells round the circumference to choose from.
-ROUNDS: dict[Cells, tuple[int, ...]] = {"hex": (6, 8, 12), "tet": (8, 12, 16)}
+ROUNDS: dict[Cells, tuple[int, ...]] = {"hex": (6, 8, 12, 16), "tet": (8, 12, 16)}
 # More of them, for a tolerance that those do not hold.
-FINER_ROUNDS: dict[Cells, tuple[int, ...]] = {"hex": (16, 24, 32), "tet": (24, 32)}
+FINER_ROUNDS: dict[Cells, tuple[int, ...]] = {"hex": (24, 32), "tet": (24, 32)}
 
 
 @dataclass(frozen=True)
@@ -198,17 +198,25 @@ def checked_error_percent(cells: Cells, level: int, value_mm: Sequence[float], o
 
 
 def predicted_unknowns(scene: BellowsScene, model: Model, level: str) -> float:
-    """How many unknowns a run has, to some percent; meshed rings and what meets on the axis are not counted apart."""
+    """How many unknowns a run solves for, to some percent.
+
+    Meshed rings and what meets on the axis are not counted apart; of a body solved on a quarter it is the quarter's.
+    """
     body = None if model == "axisymmetric" else body_level(level)
     refinement = fineness(level) if body is None else body.meridian
     kind, resolution = cell_kind(scene), scene_resolution(scene, 1)
     cells = len(meridian_mesh(shape_of(scene), resolution, None, kind).cells) // (1 if kind == "quadrilaterals" else 2)
     through, along = resolution.through * refinement, cells // resolution.through * refinement
-    around = 0.5 if body is None else body.around / (4 if model == "sector" else 1)
+    around = 0.5 if body is None else body.around / (4 if _on_a_quarter(scene, model, body.around) else 1)
     displacements = (2 if body is None else 3) * (2 * through + 1) * (2 * along + 1) * 2.0 * around
     if kind == "quadrilaterals":
         return displacements + through * along * (3 if body is None else 4 * around)
     return displacements + (through + 1) * (along + 1) * (1 if body is None else around)
+
+
+def _on_a_quarter(scene: BellowsScene, model: str, around: int = 0) -> bool:
+    """True if a body of so many cells round, or of one of the numbers that allow it, is solved on a quarter."""
+    return model == "sector" or (model == "full3d" and not whole_because(scene, around or quarters(scene)))
 
 
 def predicted_seconds(scene: BellowsScene, model: Model, level: str) -> float:
@@ -231,12 +239,9 @@ def around_for(scene: BellowsScene, model: str) -> int:
 
 
 def rounds_of(scene: BellowsScene, model: str) -> list[int]:
-    """Numbers of cells round that a body may have, fewest first.
-
-    A quarter takes a quarter of them; cells of a cap meet on its axis in pairs.
-    """
+    """Numbers of cells round that a body may have, fewest first: those of four quarters, if it is solved on one."""
     kind = cells_of(scene)
-    parts = 1 if model == "full3d" else 8 if scene.geometry.tip == "cap" else 4
+    parts = quarters(scene) if _on_a_quarter(scene, model) else 1
     return [n for n in (*ROUNDS[kind], *FINER_ROUNDS[kind]) if n % parts == 0]
 
 

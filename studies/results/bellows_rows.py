@@ -30,6 +30,7 @@ CHECKS = {
     "largest_stretch": "1",
     "bond_slip_rms_mm": "mm",
     "tip_centre_mm": "mm",
+    "whole_residual": "1",
 }
 
 

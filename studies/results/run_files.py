@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from solvers.atomic import write_atomically
+from solvers.paths.states import Crossing
 from solvers.state import State
 from studies.results.csv_files import read_records, write_records
 
@@ -34,7 +35,8 @@ class PathRow:
     the pressure of the limit point that the path has passed before the state, from which a body under pressure snaps.
     ``largest_stretch`` is that of the elastomer at quadrature points, corners where it is singular included.
     ``residual`` is that of the accepted state relative to its load: above 1e-8 where it had stalled
-    (`solvers.equilibrium.newton.NewtonSettings`).
+    (`solvers.equilibrium.newton.NewtonSettings`). ``whole_residual`` is that of the whole body in the mirrored state,
+    where it was solved on a part.
     """
 
     pressure_kpa: float
@@ -56,6 +58,7 @@ class PathRow:
     limit_kpa: float = math.nan
     residual: float = math.nan
     largest_stretch: float = math.nan
+    whole_residual: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -70,13 +73,16 @@ class RunSummary:
         ``reached`` (all requested pressures) or ``stopped``, and why: in words, and the kind (solvers.errors.Cause).
     crossing
         Where the number of unstable modes changed first: kind, pressure_kpa, within_kpa, volume_mm3, modes_before,
-        modes_after; empty if nowhere. The mode is in ``critical_mode.npz`` and ``critical_mode.vtu``.
+        modes_after, and the parity_class where it was solved on a part; empty if nowhere. The mode is in
+        ``critical_mode.npz`` and ``critical_mode.vtu``.
     content_hash
         Hash of the inputs and of the code that computes; a finished run with this hash is not repeated.
     plan
         What was skipped and why, a sentence each.
     dofs, cells, nodes
-        Size.
+        Size of the body.
+    solved_dofs
+        Unknowns that were solved for, fewer where symmetry allows it; 0 in runs before 0.3.
     factorisations, newton_iterations, rejected_steps
         Work.
     silicone_g, ring_g
@@ -114,6 +120,7 @@ class RunSummary:
     when: str
     cause: str = ""
     crossing: dict[str, Any] = field(default_factory=dict)
+    solved_dofs: int = 0
 
 
 PATH_COLUMNS = tuple(f.name for f in fields(PathRow))
@@ -147,6 +154,21 @@ def read_summary(folder: Path) -> RunSummary:
     if "rung" in data:  # the key's name before 0.2
         data["model"] = data.pop("rung")
     return RunSummary(**{**data, "plan": tuple(data["plan"])})
+
+
+def crossing_facts(crossing: Crossing | None, sense: float, parts: int) -> dict[str, Any]:
+    """A crossing for the summary, its load as a pressure, its volume that of so many parts."""
+    if crossing is None:
+        return {}
+    return {
+        "kind": str(crossing.kind),
+        "pressure_kpa": sense * 1e3 * crossing.pressure_mpa,
+        "within_kpa": 1e3 * crossing.within_mpa,
+        "volume_mm3": sense * parts * crossing.volume_mm3,
+        "modes_before": crossing.modes_before,
+        "modes_after": crossing.modes_after,
+        **({"parity_class": crossing.of_class} if crossing.of_class else {}),
+    }
 
 
 # --- states and fields --------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from studies.results import provenance
 from studies.results.rows import AFTER_SNAP, REACHED, Row, row
 from studies.results.run_files import PathRow, RunSummary, read_path, read_summary, write_text_atomically
 from studies.results.uncertainty import EDGE_ORDER, Convergence, Orders, convergence
-from studies.scene.bellows import TipQuantity, without_eccentricity
+from studies.scene.bellows import TipQuantity, on_meridian
 from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import MeshGeometry
 from studies.scene.load import Scene
@@ -78,7 +78,7 @@ def write_measured(folder: Path, measured: Mapping[float, Mapping[str, float]]) 
 
 
 def run_hash(scene: Scene, model: str, level: str) -> str:
-    """Hash of everything that decides a run's numbers; the axisymmetric model knows a centred core only."""
+    """Hash of everything that decides a run's numbers; the axisymmetric model knows less of a scene than bodies do."""
     if isinstance(scene, BodyScene):
         physics = scene.model_dump(mode="json", exclude={"name", "ask"})
         physics["looking for a limit point"] = "limit_kpa" in scene.quantities
@@ -86,8 +86,8 @@ def run_hash(scene: Scene, model: str, level: str) -> str:
             content = Path(scene.geometry.file).read_bytes()
             physics["geometry"]["file"] = hashlib.sha256(content).hexdigest()
     else:
-        centred = without_eccentricity(scene) if model == "axisymmetric" else scene
-        physics = centred.model_dump(mode="json", exclude={"name", "ask"})
+        known = on_meridian(scene) if model == "axisymmetric" else scene
+        physics = known.model_dump(mode="json", exclude={"name", "ask"})
     text = json.dumps([physics, model, level, provenance.code_hash()], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
 

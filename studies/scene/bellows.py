@@ -14,7 +14,7 @@ from meshes.bellows import check_shape
 from meshes.by_gmsh.ring import RingShape
 from meshes.errors import GeometryError
 from meshes.shape import BellowsShape
-from studies.scene.elements import Mesh, element_faults
+from studies.scene.elements import BellowsMesh, element_faults
 from studies.scene.materials import (
     NeoHookeMaterial,
     OgdenMaterial,
@@ -174,7 +174,7 @@ class BellowsScene(Section):
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$")]
     geometry: Geometry
     rings: Rings = Rings()
-    mesh: Mesh = Mesh()
+    mesh: BellowsMesh = BellowsMesh()
     material: Annotated[YeohMaterial | OgdenMaterial | NeoHookeMaterial, Field(discriminator="law")]
     load: Load
     contact: Contact = Contact()
@@ -238,6 +238,12 @@ def without_eccentricity(scene: BellowsScene) -> BellowsScene:
     if scene.geometry.eccentricity == 0.0:
         return scene
     return scene.model_copy(update={"geometry": scene.geometry.model_copy(update={"eccentricity": 0.0})})
+
+
+def on_meridian(scene: BellowsScene) -> BellowsScene:
+    """What the axisymmetric model knows of a scene: a centred core, and nothing of how bodies are solved."""
+    mesh = scene.mesh.model_copy(update={"symmetry": "auto"})
+    return without_eccentricity(scene).model_copy(update={"mesh": mesh})
 
 
 def at_pressures(scene: BellowsScene, pressures_kpa: Sequence[float]) -> BellowsScene:

@@ -22,6 +22,16 @@ class Mesh(Section):
     solver: Literal["auto", "direct", "iterative"] = "auto"
 
 
+class BellowsMesh(Mesh):
+    """The same of a bellows, and whether full 3D is solved on a quarter where the body is four images of one.
+
+    The answer is that of the whole body, its count of unstable modes included (`solvers.stability.parity`), at a fifth
+    of the cost or less; ``off`` solves the whole body itself.
+    """
+
+    symmetry: Literal["auto", "off"] = "auto"
+
+
 def element_faults(mesh: Mesh, kappa_over_mu: float) -> list[str]:
     """What is wrong with an element for a material or with a solver for an element."""
     if mesh.solver == "iterative" and mesh.element == "tet-p1":

@@ -13,6 +13,12 @@ from studies.scene.bellows import BellowsScene, in_hexahedra, ring_shape, shape_
 
 # Sectors of one: the quarter, whose faces are the planes x = 0 and y = 0, held by components.
 SECTORS = {"full3d": 1, "sector": 4}
+# What is said of a body that is solved on a quarter, and of one that is not, with the reason.
+ON_A_QUARTER = (
+    "three quarters of the body: the whole is solved on a quarter between two planes of symmetry, and its unstable "
+    'modes are counted by parity classes, SS + 2 SA + AA (mesh.symmetry = "off" solves the whole itself)'
+)
+AS_A_WHOLE = "planes of symmetry: the whole body is solved, "
 
 
 def cell_kind(scene: BellowsScene) -> CellKind:
@@ -29,6 +35,41 @@ def scene_meridian(scene: BellowsScene, refinement: int) -> SolidMesh:
     """The meridian mesh of a scene at a refinement."""
     ring = ring_shape(scene) if scene.rings.model == "meshed" else None
     return meridian_mesh(shape_of(scene), scene_resolution(scene, refinement), ring, cell_kind(scene))
+
+
+def quarters(scene: BellowsScene) -> int:
+    """Of what number the cells round must be a multiple for the body to be four images of a quarter.
+
+    Cells of a cap meet on its axis in pairs.
+    """
+    return 8 if scene.geometry.tip == "cap" else 4
+
+
+def whole_because(scene: BellowsScene, around: int) -> str:
+    """Why full 3D is not solved on a quarter; empty if it is.
+
+    Parameters
+    ----------
+    around
+        Cells in the whole circle.
+    """
+    if scene.mesh.symmetry == "off":
+        return 'mesh.symmetry = "off"'
+    if scene.geometry.eccentricity:
+        return "the core is off the axis"
+    if not in_hexahedra(scene):
+        return "a quarter is meshed in hexahedra"
+    if scene.mesh.solver == "iterative":
+        return "the iterative solver is for whole bodies"
+    if around % quarters(scene):
+        return f"{around} cells round are no multiple of {quarters(scene)}"
+    return ""
+
+
+def symmetry_note(scene: BellowsScene, around: int) -> str:
+    """Which part of the body full 3D is solved on, and why; a sentence of what is left out."""
+    why = whole_because(scene, around)
+    return AS_A_WHOLE + why if why else ON_A_QUARTER
 
 
 def scene_body(meridian: SolidMesh, model: str, around: int, core_shift_mm: float = 0.0) -> SolidMesh:

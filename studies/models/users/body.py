@@ -17,7 +17,7 @@ from meshes.surface import surface_weights
 from meshes.users.refine import refined
 from meshes.users.rigid import Rim, body_weights, held_by_symmetry, rim_on
 from solvers.assembly.surfaces import Surfaces
-from solvers.bodies.rigid import RigidBodies
+from solvers.bodies.rigid import AXIAL, EVERY_MOTION, RigidBodies
 from solvers.state import State
 from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import MeshGeometry
@@ -83,7 +83,7 @@ def _rigid_surfaces(scene: BodyScene, g: MeshGeometry, mesh: SolidMesh) -> Rigid
         np.ones(len(mesh.points)),
         np.array([float(at[:, -1].mean()) for at in corners]),
         _arm_mm(mesh),
-        axial_only=level and mesh.dimension == 3,
+        motions=AXIAL if level and mesh.dimension == 3 else EVERY_MOTION,
         plate=plate,
         plate_area_mm2=rim.area_mm2,
         plate_held=plate is not None and scene.load.tip == "blocked",

@@ -15,7 +15,7 @@ from analytical.laws.stiff import PLA
 from meshes.revolve import revolve
 from meshes.solid import SolidMesh
 from solvers.assembly.surfaces import SOFT, STIFF
-from solvers.bodies.rigid import RigidBodies, moved
+from solvers.bodies.rigid import EVERY_MOTION, RigidBodies, moved
 from solvers.problem import Problem
 from solvers.state import State
 
@@ -63,7 +63,7 @@ def disturb(problem: Problem, seed: int) -> None:
     x[problem.constrained_owned] = 0.0
     if problem.bonded is not None:
         problem.bonded.values[:] = rng.uniform(-1.0, 1.0, problem.body_values.shape) * 0.5
-        if problem.bonded.modes == 6:
+        if problem.bonded.motions == EVERY_MOTION:
             problem.bonded.values[:, 3:] *= ARM_MM
         problem.bonded.update(np.zeros(0))
     problem.pressure.value = 0.02

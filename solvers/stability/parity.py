@@ -1,0 +1,249 @@
+"""Unstable modes of a whole body from a part of it between planes of symmetry: a tangent per class of parities.
+
+Mirrored in a plane, a perturbation of a symmetric state is what it was (S) or the opposite (A). With respect to one
+plane or two, perpendicular to x, y or z, the perturbations of the whole body are the sum of two classes or four,
+between which its tangent has no coupling. Each class lives on the part, where the tangent is the same but for what is
+held:
+
+====  =====================================  ================================================================
+      on the plane                           motions of rigid bodies
+====  =====================================  ================================================================
+S     the component across it                translations along it, and the rotation about its normal
+A     the two components along it            the translation across it, and the rotations about axes in it
+====  =====================================  ================================================================
+
+So the number of negative eigenvalues of the whole body is the sum of those of the classes, exactly, and an equilibrium
+of the part (all S) is one of the whole body. On a quarter of a body that is its own mirror image at 45 degrees too, SA
+and AS are each other's mirror images: one of them is counted, twice.
+
+Pressures are those of cells: a continuous one would have to vanish on a plane of class A.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from solvers.assembly.surfaces import Surfaces
+from solvers.assembly.tangent import Border, bonded_dofs, new_matrix
+from solvers.assembly.term import Term
+from solvers.bodies.rigid import EVERY_MOTION
+from solvers.errors import SolverError
+from solvers.linear.factor import Factor
+from solvers.problem import Problem
+from solvers.state import State
+
+AXES = (0, 1, 2)
+
+
+@dataclass(frozen=True)
+class Plane:
+    """A plane of symmetry that cuts a mesh.
+
+    Attributes
+    ----------
+    facet
+        Facet number of the cut.
+    normal
+        Component along its normal: 0, 1 or 2 for x, y or z.
+    """
+
+    facet: int
+    normal: int
+
+
+@dataclass(frozen=True)
+class ParityClass:
+    """Perturbations of a parity with respect to each of the planes.
+
+    Attributes
+    ----------
+    planes
+        The planes.
+    name
+        A letter for each: ``SA`` is symmetric in the first and antisymmetric in the second.
+    """
+
+    planes: tuple[Plane, ...]
+    name: str
+
+    @property
+    def held(self) -> tuple[tuple[int, int], ...]:
+        """Pairs (facet number, component) that vanish."""
+        return tuple(
+            (plane.facet, axis)
+            for plane, parity in zip(self.planes, self.name, strict=True)
+            for axis in AXES
+            if (axis == plane.normal) == (parity == "S")
+        )
+
+    @property
+    def motions(self) -> tuple[int, ...]:
+        """Those of the six motions of a rigid body in both planes that belong to the class."""
+        return tuple(motion for motion in EVERY_MOTION if self._has(motion))
+
+    def _has(self, motion: int) -> bool:
+        axis, turns = motion % 3, motion >= 3
+        # mirrored, a translation changes its sign across the plane, a rotation about axes in it
+        return all(
+            (turns == (axis == plane.normal)) == (parity == "S")
+            for plane, parity in zip(self.planes, self.name, strict=True)
+        )
+
+
+def parity_classes(planes: Sequence[Plane]) -> tuple[ParityClass, ...]:
+    """All classes, the symmetric one first."""
+    names = ("".join(letters) for letters in itertools.product("SA", repeat=len(planes)))
+    return tuple(ParityClass(tuple(planes), name) for name in names)
+
+
+class ParityTangent:
+    """The tangent of a part's state in a class, which `select` chooses; for a `solvers.linear.factor.Factor`.
+
+    One pattern serves all classes but the symmetric one, which is the problem's own: bodies have as many unknowns as
+    the class of the most motions, and those that another does not have are held.
+
+    Parameters
+    ----------
+    problem
+        Of the part; its surfaces hold what the symmetric class does.
+    classes
+        Those that may be selected.
+
+    Raises
+    ------
+    SolverError
+        If the pressure is continuous, the load not conservative, or something touches.
+    """
+
+    conservative = True
+    terms: tuple[Term, ...] = ()
+
+    def __init__(self, problem: Problem, classes: Sequence[ParityClass]) -> None:
+        if problem.element.pressure == "continuous":
+            raise SolverError(
+                f"parity classes need pressures of cells, not the continuous ones of {problem.element.name}"
+            )
+        if not problem.conservative:
+            raise SolverError(
+                "parity classes need a conservative load: the tangent of this one has no inertia to count"
+            )
+        if problem.contact is not None:
+            raise SolverError("parity classes do not know contact: count on the whole body")
+        self.problem, self.comm, self.timer, self.owned = problem, problem.comm, problem.timer, problem.owned
+        bodies = 0 if problem.bonded is None else problem.bonded.count
+        self.motions = max((len(c.motions) for c in classes), default=0) if bodies else 0
+        self.extra = bodies * self.motions
+        self._bonded = bonded_dofs(problem.domain, problem.space, 3, bodies)
+        self._border = Border(problem.space, self._bonded, self.motions)
+        self._supports = {c.name: problem.unknowns.supports_for(self._held_by(c)) for c in classes}
+        self.select(classes[0])
+
+    def _held_by(self, parity: ParityClass) -> Surfaces:
+        surfaces, symmetric = self.problem.surfaces, ParityClass(parity.planes, "S" * len(parity.planes)).held
+        others = tuple(pair for pair in surfaces.held if pair not in symmetric)
+        return dataclasses.replace(surfaces, held=(*others, *parity.held))
+
+    def select(self, parity: ParityClass) -> None:
+        """Go over to a class."""
+        self.parity, self.supports = parity, self._supports[parity.name]
+        self.expected_negatives = self.problem.unknowns.free_pressures(self.supports)
+
+    @property
+    def massless(self) -> NDArray[np.bool_]:
+        """Owned dofs that are pressures or held, shape (owned,)."""
+        return np.asarray(self.problem.owned_pressure | self.supports.is_constrained[: self.owned])
+
+    def new_matrix(self) -> PETSc.Mat:
+        """Empty matrix with the pattern of every class."""
+        patterns = [self._border.pattern()] if self.extra else []
+        return new_matrix(self.problem.space, self.extra, True, patterns)
+
+    def assemble_tangent(self, matrix: PETSc.Mat) -> None:
+        """The class's tangent at the problem's current state, into ``matrix``."""
+        self.problem.assemble_held(matrix, self.supports, [self._add_border] if self.extra else [])
+
+    def _add_border(self, matrix: PETSc.Mat) -> None:
+        """Add the bodies' rows, columns and blocks in the class's motions; what is left of them is held."""
+        bonded, bodies = self.problem.bonded, self.problem.bodies
+        assert bonded is not None and bodies is not None
+        mine, of_class = self.parity.motions, len(self.parity.motions)
+        columns = np.zeros((self.owned, self.motions))
+        columns[:, :of_class] = bonded.columns(mine)
+        columns[self.supports.is_constrained[: self.owned]] = 0.0
+        blocks = np.zeros((bonded.count, self.motions, self.motions))
+        blocks[:, :of_class, :of_class] = bonded.blocks(mine)
+        held = np.ones((bonded.count, self.motions), dtype=bool)
+        held[:, :of_class] = dataclasses.replace(bodies, motions=mine).held_motions(axisymmetric=False)
+        self._border.add(matrix, columns, blocks, held)
+
+
+class ParityFactor(Factor):
+    """Factor of a part's problem that counts the unstable modes of the whole body.
+
+    Parameters
+    ----------
+    problem
+        Of the part.
+    planes
+        Its planes of symmetry, the first of which is mirrored into the second if there are two.
+    is_alike
+        For two planes: true of a state that is its own mirror image at 45 degrees to them.
+
+    Attributes
+    ----------
+    counts
+        Unstable modes of each class that was counted last, once each.
+    """
+
+    problem: Problem
+
+    def __init__(self, problem: Problem, planes: Sequence[Plane], is_alike: Callable[[State], bool]) -> None:
+        super().__init__(problem)
+        self._symmetric, *self._others = parity_classes(planes)
+        self._is_alike = is_alike
+        self._tangent = ParityTangent(problem, self._others)
+        self._of_others = Factor(self._tangent)
+        self.counts: dict[str, int] = {}
+
+    def close(self) -> None:
+        """Free the matrices and their factors."""
+        super().close()
+        self._of_others.close()
+
+    def unstable_modes(self) -> int | None:
+        """Unstable modes of the whole body about the current state, whose symmetric tangent was factored last.
+
+        Raises
+        ------
+        StepFailed
+            If a factorisation fails.
+        """
+        found = [(self._symmetric.name, 1, self.excess_negatives)]
+        found += [(name, times, of.excess_negatives) for name, times, of in self._selected()]
+        self.counts = {name: int(count or 0) for name, _, count in found}
+        return sum(times * self.counts[name] for name, times, _ in found)
+
+    def of_classes(self) -> Iterator[tuple[str, Factor]]:
+        """The symmetric class, then the others."""
+        self.refresh()
+        yield self._symmetric.name, self
+        for name, _, of in self._selected():
+            yield name, of
+
+    def _selected(self) -> Iterator[tuple[str, int, Factor]]:
+        """The other classes in turn, with how often each counts, factored at the current state."""
+        alike = len(self._others) == 3 and self._is_alike(self.problem.get_state())
+        for parity in self._others:
+            if alike and parity.name == "AS":
+                continue
+            self._tangent.select(parity)
+            self._of_others.refresh()
+            self.count += 1
+            yield parity.name, 2 if alike and parity.name == "SA" else 1, self._of_others
