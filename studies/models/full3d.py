@@ -28,8 +28,8 @@ from solvers.state import State
 from studies.first_rank import first
 from studies.models.build import Tip, masses_g, revolve_state, scene_problem
 from studies.models.gaps import GapMeter
-from studies.models.mirrored import Diagonal, Proof, mirror
 from studies.models.run_log import Job, Log, begin, forget, path_row, without_fields, write_fields
+from studies.models.symmetry.mirrored import Diagonal, Proof, mirror
 from studies.planning.levels import BodyLevel
 from studies.progress import Progress
 from studies.results.run_files import PathRow, load_state

@@ -32,7 +32,7 @@ from studies.first_rank import first
 from studies.models.build import Tip
 from studies.models.contact import CONTACT_FILE, ContactWatch
 from studies.models.gaps import GapMeter, Touch
-from studies.models.mirrored import Proof
+from studies.models.symmetry.mirrored import Proof
 from studies.planning.warnings import law_ranges, scene_warnings, stretch_warnings
 from studies.progress import Progress
 from studies.results import provenance

@@ -1,0 +1,1 @@
+"""Bodies that are solved on a part of them between planes of symmetry."""
