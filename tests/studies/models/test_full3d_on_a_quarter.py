@@ -1,0 +1,254 @@
+"""Full 3D solved on a quarter is full 3D: states, counts, crossings and files are those of the whole body."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+from scipy.spatial import cKDTree
+
+from solvers.errors import Cause, StepFailed
+from solvers.stability.parity import ParityFactor
+from studies.models import full3d
+from studies.models.axisymmetric import run_axisymmetric
+from studies.models.run_log import CHECKPOINT_FILE, Log
+from studies.models.symmetry.mirrored import Proof
+from studies.planning.levels import BodyLevel
+from studies.planning.planner import describe, make_plan
+from studies.progress import Progress
+from studies.results.run_files import load_state
+from studies.results.runs import Run, run_hash
+from studies.scene.bellows import BellowsScene
+from studies.scene.load import load_bellows
+from studies.scene.meshes import AS_A_WHOLE, ON_A_QUARTER, scene_body, scene_meridian, whole_because
+
+SCRIPT = Path(__file__).with_name("quarter_script.py")
+ROOT = SCRIPT.parents[3]
+SCENES = {
+    "free": ("heung-t2-ri5.toml", "convolutions = 8 ", "convolutions = 2 ", [5.0, 20.0]),
+    # bends sideways at 1.05 kPa
+    "blocked": ("modes/blocked-short.toml", "convolutions = 4", "convolutions = 4", [1.0, 1.1]),
+}
+# bisection on the whole body takes most of a minute
+BOTH = ["free", pytest.param("blocked", marks=pytest.mark.slow)]
+
+
+def scene_file(name: str, folder: Path) -> Path:
+    source, old, new, pressures = SCENES[name]
+    text = (ROOT / "scenes" / source).read_text(encoding="utf-8")
+    lines = [f"pressure_kpa = {pressures}" if line.startswith("pressure_kpa") else line for line in text.splitlines()]
+    assert old in text
+    out = folder / f"{name}.toml"
+    out.write_text("\n".join(lines).replace(old, new), encoding="utf-8")
+    return out
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    return tmp_path_factory.mktemp("quarter")
+
+
+@pytest.fixture(scope="module")
+def solved(python, folder) -> dict[str, Any]:
+    """What the script found of each scene in one process, as it is asked for."""
+
+    class Solved(dict):
+        def __missing__(self, name: str) -> Any:
+            self[name] = python.answer(1, SCRIPT, scene_file(name, folder), folder / name)
+            return self[name]
+
+    return Solved()
+
+
+def assert_same(one: dict[str, Any], other: dict[str, Any], relative: float) -> None:
+    """All figures of path.csv but times, iterations and residuals."""
+    assert one["status"] == other["status"] == "reached"
+    assert len(one["rows"]) == len(other["rows"]) == 2
+    for a, b in zip(one["rows"], other["rows"], strict=True):
+        # the slip of a rigid bond is 1e-6 of the displacements, and so are its last digits
+        tolerance = {"bond_slip_rms_mm": 1e-6}
+        for key in set(a) - {"wall_s", "newton_iterations", "residual", "whole_residual"}:
+            if isinstance(a[key], float):
+                assert a[key] == pytest.approx(b[key], rel=tolerance.get(key, relative), nan_ok=True), key
+            else:
+                assert a[key] == b[key], key
+
+
+@pytest.mark.parametrize("name", BOTH)
+def test_the_quarter_gives_the_whole_bodys_answer(solved, name: str) -> None:
+    quarter, whole = solved[name]["auto"], solved[name]["off"]
+    # both are converged to 1e-8 of the load, quadratically: to much less in displacements
+    assert_same(quarter, whole, 1e-9)
+    assert quarter["unknowns"][0] == whole["unknowns"][0] == whole["unknowns"][1]
+    assert 0.25 < quarter["unknowns"][1] / quarter["unknowns"][0] < 0.32
+    assert quarter["cells"] == whole["cells"]
+
+
+@pytest.mark.parametrize("name", BOTH)
+def test_each_state_is_proved_by_the_whole_bodys_residual(solved, name: str) -> None:
+    quarter, whole = ([row["whole_residual"] for row in solved[name][how]["rows"]] for how in ("auto", "off"))
+    assert all(0.0 < residual < 1e-8 for residual in quarter)
+    assert all(math.isnan(residual) for residual in whole)
+
+
+@pytest.mark.slow
+def test_a_pair_that_bends_sideways_is_counted_and_located(solved) -> None:
+    quarter, whole = solved["blocked"]["auto"], solved["blocked"]["off"]
+    assert [row["unstable_modes"] for row in quarter["rows"]] == [0.0, 2.0]
+    one, other = quarter["crossing"], whole["crossing"]
+    assert one.pop("parity_class") == "SA"
+    assert set(one) == set(other)
+    # by the same bisection; Newton's tolerance is in its last digits
+    for key in one:
+        assert one[key] == (pytest.approx(other[key], rel=1e-5) if isinstance(other[key], float) else other[key]), key
+    assert one["pressure_kpa"] == pytest.approx(other["pressure_kpa"], rel=1e-8)
+
+
+@pytest.mark.slow
+def test_the_critical_mode_is_one_of_the_whole_bodys_pair(solved, folder) -> None:
+    assert solved["blocked"]["off"]["crossing"]["modes_after"] == 2
+    ours, theirs = (np.load(folder / "blocked" / how / "critical_mode.npz") for how in ("auto", "off"))
+    assert ours["points_mm"] == pytest.approx(theirs["points_mm"])
+    points, mode = ours["points_mm"], ours["mode_mm"]
+    assert np.abs(mode[:, 0]).max() == pytest.approx(1.0)
+    # its partner is its image at 45 degrees; the inverse iteration of the whole body ends somewhere between them
+    _, image = cKDTree(points).query(points[:, [1, 0, 2]])
+    pair = np.stack([mode.ravel(), mode[image][:, [1, 0, 2]].ravel()], axis=1)
+    share, *_ = np.linalg.lstsq(pair, theirs["mode_mm"].ravel(), rcond=None)
+    left = theirs["mode_mm"].ravel() - pair @ share
+    # iterated until the stiffness has settled to 1e-6, so to 1e-3 in the mode
+    assert np.linalg.norm(left) < 1e-3 * np.linalg.norm(theirs["mode_mm"])
+    bodies, rings = ours["mode_bodies_mm"], theirs["mode_bodies_mm"]
+    assert bodies.shape == rings.shape
+    assert np.abs(bodies[:, [1, 2, 3, 5]]).max() == 0.0  # along x, and about y
+    assert np.abs(bodies[:, 0]).max() > 0.1
+
+
+def test_states_and_fields_are_the_whole_bodys(solved, folder) -> None:
+    file = folder / "free.toml"
+    scene = load_bellows(file)
+    off = scene.model_copy(update={"mesh": scene.mesh.model_copy(update={"symmetry": "off"})})
+    assert solved["free"]["auto"]["status"] == "reached"
+    quarter, whole = (
+        load_state(folder / "free" / how, run_hash(of, "full3d", "n8"), 0.02)
+        for how, of in (("auto", scene), ("off", off))
+    )
+    assert quarter is not None and whole is not None
+    mesh = scene_body(scene_meridian(scene, 1), "full3d", 8)
+    assert quarter[0].displacement_mm.shape == mesh.points.shape
+    for name in ("displacement_mm", "pressure_mpa", "bodies_mm"):
+        one, other = getattr(quarter[0], name), getattr(whole[0], name)
+        assert np.abs(one - other).max() < 1e-9 * np.abs(other).max(), name
+    written = [(folder / "free" / how / "fields" / "p20.000.vtu").read_bytes() for how in ("auto", "off")]
+    assert len(written[0]) == len(written[1])
+
+
+def test_one_and_two_ranks_agree(python, solved, folder) -> None:
+    two = python.answer(2, SCRIPT, scene_file("free", folder), folder / "free-2")
+    for how in ("auto", "off"):
+        assert_same(two[how], solved["free"][how], 1e-9)
+    assert all(row["whole_residual"] < 1e-8 for row in two["auto"]["rows"])
+
+
+# ---- where it does not hold ----------------------------------------------------------------------------
+
+
+@pytest.fixture
+def small(tmp_path) -> BellowsScene:
+    scene = load_bellows(scene_file("free", tmp_path))
+    geometry = scene.geometry.model_copy(update={"convolutions": 1})
+    load = scene.load.model_copy(update={"pressure_kpa": [2.0, 4.0]})
+    return scene.model_copy(update={"geometry": geometry, "load": load})
+
+
+def run(scene: BellowsScene, folder: Path, name: str) -> Run:
+    comm, progress = MPI.COMM_SELF, Progress(MPI.COMM_SELF)
+    run_axisymmetric(scene, 1, folder / "flat", comm, progress)
+    return full3d.run_full3d(scene, "full3d", BodyLevel(8), folder / "flat", folder / name, comm, progress, ())
+
+
+def changed(scene: BellowsScene, section: str, **changes: Any) -> BellowsScene:
+    return scene.model_copy(update={section: getattr(scene, section).model_copy(update=changes)})
+
+
+def test_where_symmetry_does_not_hold_the_whole_body_is_solved(small) -> None:
+    assert whole_because(small, 8) == whole_because(small, 16) == ""
+    for of, around, words in (
+        (changed(small, "mesh", symmetry="off"), 8, 'symmetry = "off"'),
+        (changed(small, "geometry", eccentricity=0.1), 8, "off the axis"),
+        (changed(small, "mesh", element="tet"), 8, "hexahedra"),
+        (changed(small, "rings", model="meshed"), 8, "hexahedra"),
+        (changed(small, "mesh", solver="iterative"), 8, "iterative"),
+        (small, 12, "multiple of 8"),
+        (changed(small, "geometry", tip="rigid"), 6, "multiple of 4"),
+    ):
+        assert words in whole_because(of, around)
+    assert whole_because(changed(small, "geometry", tip="rigid"), 12) == ""
+
+
+def test_a_state_that_is_not_proved_is_solved_as_a_whole(small, tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(Proof, "residual", lambda self, state: 1e-3)
+    found = run(small, tmp_path, "unproved")
+    assert found.summary.status == "reached"
+    assert found.summary.solved_dofs == found.summary.dofs
+    assert any(note.startswith(AS_A_WHOLE) and "residual of 1.0e-03" in note for note in found.summary.plan)
+    assert ON_A_QUARTER not in found.summary.plan
+    assert [row.unstable_modes for row in found.requested] == [0.0, 0.0]
+
+
+def test_where_the_quarters_factors_do_not_fit_the_whole_is_tried(small, tmp_path, monkeypatch) -> None:
+    def fails(self) -> None:
+        raise StepFailed("too little memory", Cause.OUT_OF_MEMORY)
+
+    monkeypatch.setattr(ParityFactor, "refresh", fails)
+    found = run(small, tmp_path, "memory")
+    assert found.summary.status == "reached"
+    assert any(note.startswith(AS_A_WHOLE) and "memory" in note for note in found.summary.plan)
+
+
+def test_an_interrupted_run_goes_on_after_its_last_state(small, tmp_path, monkeypatch) -> None:
+    whole = run(small, tmp_path, "whole")
+    step = Log.step
+
+    def killed(self, memory) -> None:
+        step(self, memory)
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Log, "step", killed)
+        with pytest.raises(KeyboardInterrupt):
+            run(small, tmp_path, "killed")
+    assert (tmp_path / "killed" / CHECKPOINT_FILE).exists()
+    resumed = run(small, tmp_path, "killed")
+    assert [row.tip_mm for row in resumed.path] == pytest.approx([row.tip_mm for row in whole.path], rel=1e-12)
+    assert ON_A_QUARTER in resumed.summary.plan
+
+
+# ---- the plan and the hash -----------------------------------------------------------------------------
+
+
+def test_the_plan_says_which_part_is_solved_and_why(small) -> None:
+    plan = make_plan(small, "full3d")
+    assert ON_A_QUARTER in plan.skipped
+    assert "full 3D on a quarter, hexahedra" in describe(small, plan)
+    off = changed(small, "mesh", symmetry="off")
+    plan = make_plan(off, "full3d")
+    assert f'{AS_A_WHOLE}mesh.symmetry = "off"' in plan.skipped
+    assert "on a quarter" not in describe(off, plan)
+
+
+def test_bodies_on_a_quarter_have_multiples_of_eight_cells_round(small) -> None:
+    close, off = (changed(small, "ask", tolerance_percent=t) for t in (0.1, 10.0))
+    assert make_plan(close, "full3d").around_levels == (16,)
+    assert make_plan(off, "full3d").around_levels == (8,)
+    assert make_plan(changed(off, "mesh", symmetry="off"), "full3d").around_levels == (6,)
+
+
+def test_axisymmetric_runs_do_not_depend_on_it(small) -> None:
+    off = changed(small, "mesh", symmetry="off")
+    assert run_hash(small, "axisymmetric", "r1") == run_hash(off, "axisymmetric", "r1")
+    assert run_hash(small, "full3d", "n8") != run_hash(off, "full3d", "n8")
