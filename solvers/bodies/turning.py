@@ -20,7 +20,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from solvers.assembly.unknowns import Unknowns
-from solvers.bodies.rigid import RigidBodies, as_six, turning
+from solvers.bodies.rigid import EVERY_MOTION, RigidBodies, as_six, turning
 from solvers.discrete.domain import FloatArray, IntArray
 
 
@@ -47,7 +47,7 @@ class Turning:
         positions_mm: Sequence[FloatArray],
         centres_mm: FloatArray,
         arm_mm: float,
-        motions: Sequence[int],
+        motions: Sequence[int] = EVERY_MOTION,
     ) -> None:
         self._motions = tuple(motions)
         self._dofs, self._positions, self._arm = list(dofs), list(positions_mm), arm_mm

@@ -11,15 +11,25 @@ from typing import Final
 
 from studies.engine import Bar
 from studies.paper.audit import Check, checks
-from studies.paper.cases import HIGHEST_KPA, PRESSURES_KPA, REFERENCE_SCENES
+from studies.paper.cases import (
+    CONTROL_BODY,
+    CONTROL_KPA,
+    HIGHEST_KPA,
+    ON_A_QUARTER,
+    PRESSURES_KPA,
+    REFERENCE_SCENES,
+    WHOLE,
+)
 from studies.paper.results import CaseResult, PaperResults, is_known
-from studies.report.labels import run_label
+from studies.report.labels import TIP, run_label
 from studies.report.numbers import MISSING, rounded_up
 from studies.results.rows import REACHED, difference_percent
 
 UNCERTAINTY_PERCENT: Final = 1.0
 GAP_PERCENT: Final = 0.5
 INSIDE_PERCENT: Final = 95.0
+# The whole body and the quarter are one discrete problem: what differs are round-off and Newton's last digits.
+SAME: Final = 1e-9
 
 
 def bars(results: PaperResults) -> list[Bar]:
@@ -40,7 +50,8 @@ def main_bars(results: PaperResults) -> list[Bar]:
 
 
 def _more(results: PaperResults) -> list[Bar]:
-    found = [
+    found = [_same_tip(results), _same_modes(results)]
+    found += [
         _at_most(
             f"{name}: axisymmetric from full 3D, worst pressure",
             GAP_PERCENT,
@@ -74,12 +85,37 @@ def _gap_percent(case: CaseResult, pressures_kpa: Sequence[float]) -> float:
     return max(gaps, default=math.nan)
 
 
+def _controls(results: PaperResults, quantity: str) -> list[tuple[float, float]]:
+    """A quantity of the actuator that is solved on a quarter too, with that of its whole body, by pressure."""
+    quarter, whole = (results.variant(CONTROL_BODY, "control", suffix) for suffix in (ON_A_QUARTER, WHOLE))
+    pairs = ((quarter.row(quantity, "full3d", p), whole.row(quantity, "full3d", p)) for p in CONTROL_KPA)
+    return [(one.value, other.value) for one, other in pairs if is_known(one) and is_known(other)]
+
+
+def _same_tip(results: PaperResults) -> Bar:
+    """That mirrored states are the whole body's."""
+    wanted = f"{CONTROL_BODY}: elongation on a quarter is the whole body's, within {SAME:g}"
+    worst = max((abs(one / other - 1.0) for one, other in _controls(results, TIP)), default=math.nan)
+    return Bar(wanted, MISSING if math.isnan(worst) else f"{worst:.1e}", _met(worst, SAME), decides=False)
+
+
+def _same_modes(results: PaperResults) -> Bar:
+    """That the count by parity classes is the whole body's."""
+    wanted = f"{CONTROL_BODY}: unstable modes by parity classes are the whole body's"
+    pairs = _controls(results, "unstable_modes")
+    found = ", ".join(f"{one:g} and {other:g}" for one, other in pairs)
+    return Bar(wanted, found or MISSING, all(one == other for one, other in pairs) if pairs else None, decides=False)
+
+
+def _met(value: float, limit: float) -> bool | None:
+    return None if math.isnan(value) else value <= limit
+
+
 def _at_most(what: str, limit: float, percent: float) -> Bar:
     """A bar that does not decide the exit code."""
     wanted = f"{what}: at most {limit:g} %"
-    if math.isnan(percent):
-        return Bar(wanted, MISSING, None, decides=False)
-    return Bar(wanted, f"{rounded_up(percent, 2):g} %", percent <= limit, decides=False)
+    found = MISSING if math.isnan(percent) else f"{rounded_up(percent, 2):g} %"
+    return Bar(wanted, found, _met(percent, limit), decides=False)
 
 
 def _share(what: str, of: Sequence[Check]) -> Bar:

@@ -16,6 +16,7 @@ from studies.scene.text import changed_text
 Group = Literal[
     "core",
     "zigzag",
+    "control",
     "tets",
     "alternates",
     "beyond",
@@ -30,7 +31,7 @@ Group = Literal[
 
 # Parts that can be run alone.
 PARTS: Final[Mapping[str, tuple[Group, ...]]] = {
-    "core": ("core", "zigzag"),
+    "core": ("core", "zigzag", "control"),
     "variants": ("tets", "alternates", "beyond", "convention", "silicone", "blocked", "rings", "bond"),
     "sets": ("sets",),
     "audit": ("audit",),
@@ -142,6 +143,9 @@ MORE_BOND_VARIANTS: tuple[tuple[str, str, dict[str, Any]], ...] = (
 
 # Meridian of the audit: finer than all that the study's uncertainties are told from.
 AUDIT_LEVEL = 8
+# The actuator that is solved as a whole body and on a quarter of it, the mesh, and the pressures.
+CONTROL_BODY, CONTROL_BODY_LEVEL, CONTROL_KPA = THICK[0], BodyLevel(8), [10.0, 20.0]
+ON_A_QUARTER, WHOLE = "quarter", "whole"
 # The actuator with a second full 3D mesh, what that is, and the meridian its first guesses are taken from.
 AUDIT_BODY, AUDIT_BODY_LEVEL = REFERENCE_SCENES[0], BodyLevel(12, 3)
 
@@ -160,6 +164,10 @@ def _actuators() -> Iterator[Case]:
     for name in REFERENCE_SCENES:
         tolerance = {"ask.tolerance_percent": CORE_TOLERANCE_PERCENT, "ask.fields": False}
         yield Case("zigzag", f"{name}-zigzag", f"zigzag/{name}", "near the zigzag", tolerance, full3d=True)
+    for suffix, symmetry in ((ON_A_QUARTER, "auto"), (WHOLE, "off")):
+        changes = {"mesh.symmetry": symmetry, "load.pressure_kpa": CONTROL_KPA, "ask.fields": False}
+        levels = (CONTROL_BODY_LEVEL.meridian,)
+        yield _variant("control", CONTROL_BODY, suffix, suffix, changes, levels=levels, full3d=True)
     for base in REFERENCE_SCENES:
         in_tets = {"mesh.element": "tet", "ask.fields": False}
         yield _variant("tets", base, "tets", "tetrahedra", in_tets, full3d=True)

@@ -24,7 +24,7 @@ from studies.paper import bonds, errors, sets, times, variants
 from studies.paper.acceptance import bars
 from studies.paper.audit import coverage, misses
 from studies.paper.blocked import blocked_sentences
-from studies.paper.cases import AUDIT_BODY_LEVEL, HIGHEST_KPA, PARTS, Case, Group, case_text
+from studies.paper.cases import AUDIT_BODY_LEVEL, CONTROL_BODY_LEVEL, HIGHEST_KPA, PARTS, Case, Group, case_text
 from studies.paper.cases import cases as all_cases
 from studies.paper.drawing.pictures import STATES, draw_all
 from studies.paper.imperfection import eccentric_core
@@ -117,8 +117,8 @@ def solve(case: Case, at: Setting) -> None:
     if not case.full3d:
         return
     scene, place = scene_of(at.out, case), at.out / case.name
-    if case.group == "audit":
-        level = AUDIT_BODY_LEVEL
+    if case.group in ("audit", "control"):
+        level = AUDIT_BODY_LEVEL if case.group == "audit" else CONTROL_BODY_LEVEL
         base = place / f"axisymmetric-r{level.meridian}"
         run_full3d(scene, "full3d", level, base, place / f"full3d-{level.name}", at.comm, at.progress, ())
         return

@@ -29,9 +29,11 @@ FLOOR_PERCENT = 0.01
 # part and costs more to bring down; the rest is left to the scatter of the prediction.
 AROUND_SHARE, MERIDIAN_SHARE = 0.1, 0.5
 # Numbers of cells round the circumference to choose from.
-ROUNDS: dict[Cells, tuple[int, ...]] = {"hex": (6, 8, 12, 16), "tet": (8, 12, 16)}
+ROUNDS: dict[Cells, tuple[int, ...]] = {"hex": (6, 8, 12), "tet": (8, 12, 16)}
 # More of them, for a tolerance that those do not hold.
-FINER_ROUNDS: dict[Cells, tuple[int, ...]] = {"hex": (24, 32), "tet": (24, 32)}
+FINER_ROUNDS: dict[Cells, tuple[int, ...]] = {"hex": (16, 24, 32), "tet": (24, 32)}
+# The most to begin with on a quarter: they cost less there than 6 of a whole body.
+MOST_ON_A_QUARTER = 16
 
 
 @dataclass(frozen=True)
@@ -231,10 +233,11 @@ def knows(scene: BellowsScene) -> bool:
 
 
 def around_for(scene: BellowsScene, model: str) -> int:
-    """The smallest of `ROUNDS` that leaves the circumference its share of the scene's tolerance, or the largest."""
+    """The fewest to begin with that leave the circumference its share of the scene's tolerance, or the most."""
     cells = cells_of(scene)
     allowed = AROUND_SHARE * scene.ask.tolerance_percent
-    few = [n for n in rounds_of(scene, model) if n <= ROUNDS[cells][-1]]
+    most = MOST_ON_A_QUARTER if _on_a_quarter(scene, model) else ROUNDS[cells][-1]
+    few = [n for n in rounds_of(scene, model) if n <= most]
     return next((n for n in few if AROUND[cells].at(n) <= allowed), few[-1])
 
 

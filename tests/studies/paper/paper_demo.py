@@ -141,8 +141,9 @@ def whole() -> PaperResults:
             "core": ("n8",),
             "zigzag": ("n8",),
             "tets": ("n12",),
+            "control": ("n8",),
             "audit": ("n12r3",) if case.full3d else (),
         }.get(case.group, ())
-        levels = ("r8",) if case.group == "audit" else ("r1", "r2", "r4")
+        levels = {"audit": ("r8",), "control": ("r1",)}.get(case.group, ("r1", "r2", "r4"))
         found.append(make_case(case, bodies=bodies, levels=levels, measured={"root_stretch_outer": lambda p: 1.0 + p}))
     return PaperResults(tuple(found))

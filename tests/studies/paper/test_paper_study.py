@@ -66,7 +66,11 @@ def test_equal_content_is_run_once(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
 def test_parts_make_up_the_study() -> None:
     assert study.cases({"part": tuple(PARTS)}) == cases()
-    assert [case.group for case in study.cases({"part": ("core",)})] == ["core"] * 4 + ["zigzag"] * 4
+    assert [case.group for case in study.cases({"part": ("core",)})] == [
+        *["core"] * 4,
+        *["zigzag"] * 4,
+        *["control"] * 2,
+    ]
 
 
 @pytest.mark.parametrize("case", cases(), ids=lambda case: case.name)

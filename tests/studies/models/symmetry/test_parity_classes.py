@@ -34,7 +34,7 @@ from studies.scene.bellows import BellowsScene
 from studies.scene.load import load_bellows
 from studies.scene.meshes import scene_body, scene_meridian
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 CLASSES = {parity.name: parity for parity in parity_classes(PLANES)}
 
 
@@ -46,6 +46,11 @@ class Bodies:
     part: Problem
     mirrored: Mirrored
     mesh: SolidMesh
+
+    @property
+    def rings(self) -> int:
+        assert self.part.bonded is not None
+        return self.part.bonded.count
 
     def factors(self) -> tuple[Factor, ParityFactor]:
         return Factor(self.whole), ParityFactor(self.part, PLANES, Diagonal(self.mesh).is_alike)
@@ -60,8 +65,8 @@ def scene_of(tip: str, convolutions: int = 1) -> BellowsScene:
 def bodies_of(scene: BellowsScene) -> Bodies:
     meridian = scene_meridian(scene, 1)
     whole, part = (scene_body(meridian, model, 8) for model in ("full3d", "sector"))
-    problems = (scene_problem(scene, mesh, MPI.COMM_SELF) for mesh in (whole, part))
-    return Bodies(*problems, mirror(part, whole, PLANES), part)
+    of_whole, of_part = (scene_problem(scene, mesh, MPI.COMM_SELF) for mesh in (whole, part))
+    return Bodies(of_whole, of_part, mirror(part, whole, PLANES), part)
 
 
 @pytest.fixture(scope="module", params=["cap", "rigid"])
@@ -95,7 +100,7 @@ def test_classes_fill_the_space(bodies) -> None:
     free = 0
     for parity in CLASSES.values():
         tangent = ParityTangent(part, [parity])
-        free += int((~tangent.supports.is_constrained).sum()) + part.bonded.count * len(parity.motions)
+        free += int((~tangent.supports.is_constrained).sum()) + bodies.rings * len(parity.motions)
     assert free == int((~whole.constrained_owned).sum()) + whole.extra
 
 
@@ -125,8 +130,8 @@ def samples(bodies: Bodies, parity: ParityClass, signs: str) -> Iterator[tuple[n
     for _ in range(3):
         dofs = rng.standard_normal(part.owned) * ~tangent.supports.is_constrained
         part.state.x.array[:] = dofs
-        motions = rng.standard_normal((part.bonded.count, len(parity.motions))) * (signs == parity.name)
-        moved = motions if signs == parity.name else np.zeros((part.bonded.count, len(CLASSES[signs].motions)))
+        motions = rng.standard_normal((bodies.rings, len(parity.motions))) * (signs == parity.name)
+        moved = motions if signs == parity.name else np.zeros((bodies.rings, len(CLASSES[signs].motions)))
         field = dataclasses.replace(part.get_state(), bodies_mm=moved)
         whole.set_state(bodies.mirrored.of_class(field, signs))
         values = whole.state.x.array[: whole.owned].copy()
@@ -242,6 +247,7 @@ def test_false_modes_of_linearised_rings_are_in_their_classes() -> None:
     state = both.part.get_state()
     assert counted(both, state) == (0, {"SS": 0, "SA": 0, "AA": 0}, 0)
     for problem in (both.whole, both.part):
+        assert problem.bonded is not None
         without_second_variation(problem.bonded, problem.space)
     assert counted(both, state) == (3, {"SS": 0, "SA": 1, "AA": 1}, 3)
 
