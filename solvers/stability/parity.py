@@ -48,13 +48,13 @@ class Plane:
 
     Attributes
     ----------
-    facet
-        Facet number of the cut.
+    facets
+        Facet numbers of the cut.
     normal
         Component along its normal: 0, 1 or 2 for x, y or z.
     """
 
-    facet: int
+    facets: tuple[int, ...]
     normal: int
 
 
@@ -77,8 +77,9 @@ class ParityClass:
     def held(self) -> tuple[tuple[int, int], ...]:
         """Pairs (facet number, component) that vanish."""
         return tuple(
-            (plane.facet, axis)
+            (facet, axis)
             for plane, parity in zip(self.planes, self.name, strict=True)
+            for facet in plane.facets
             for axis in AXES
             if (axis == plane.normal) == (parity == "S")
         )
@@ -95,6 +96,11 @@ class ParityClass:
             (turns == (axis == plane.normal)) == (parity == "S")
             for plane, parity in zip(self.planes, self.name, strict=True)
         )
+
+
+def symmetric_class(planes: Sequence[Plane]) -> ParityClass:
+    """The class of equilibria of a part."""
+    return ParityClass(tuple(planes), "S" * len(planes))
 
 
 def parity_classes(planes: Sequence[Plane]) -> tuple[ParityClass, ...]:
@@ -143,7 +149,7 @@ class ParityTangent:
         self.extra = bodies * self.motions
         self._bonded = bonded_dofs(problem.domain, problem.space, 3, bodies)
         self._border = Border(problem.space, self._bonded, self.motions)
-        symmetric = ParityClass(classes[0].planes, "S" * len(classes[0].planes)).held
+        symmetric = symmetric_class(classes[0].planes).held
         self._by_others = tuple(pair for pair in problem.surfaces.held if pair not in symmetric)
         self._solid: PETSc.Mat | None = None
         self._held_in_all = self._supports_of(())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,10 +17,11 @@ from meshes.revolve import revolve_scalar, revolve_vector
 from meshes.solid import FACETS, REGIONS, SolidMesh
 from meshes.surface import surface_weights
 from solvers.assembly.surfaces import SOFT, STIFF, Surfaces
-from solvers.bodies.rigid import AXIAL, EVERY_MOTION, RigidBodies
+from solvers.bodies.rigid import AXIAL, RigidBodies
 from solvers.discrete.domain import create_domain
 from solvers.discrete.elements import P1_P0, P2_P0, Element
 from solvers.problem import Problem
+from solvers.stability.parity import Plane, symmetric_class
 from solvers.state import State, pressure_at_corners
 from studies.scene.bellows import (
     RIGID_BOND_MPA_PER_MM,
@@ -31,7 +33,21 @@ from studies.scene.bellows import (
 )
 from studies.scene.elements import Mesh
 from studies.scene.materials import inverse_kappa, law_of
-from studies.scene.meshes import SECTORS
+from studies.scene.meshes import SECTORS, Part
+
+# Planes of symmetry at which a part of a body ends.
+PLANES: Mapping[Part, tuple[Plane, ...]] = {
+    "full3d": (),
+    "half": (Plane((FACETS["start"], FACETS["end"]), 1),),
+    "sector": (Plane((FACETS["start"],), 1), Plane((FACETS["end"],), 0)),
+}
+
+
+def part_of(mesh: SolidMesh) -> Part:
+    """What a mesh is of a body; a meridian is none of its parts, and cut by no plane."""
+    if FACETS["start"] not in mesh.facet_tags:
+        return "full3d"
+    return "half" if mesh.angle_rad.max() > 0.75 * math.pi else "sector"
 
 
 def element_of(mesh: Mesh) -> Element | None:
@@ -50,7 +66,8 @@ def scene_problem(scene: BellowsScene, mesh: SolidMesh | None, comm: MPI.Comm) -
         material_numbers = _bond_to_plate(material_numbers, _ring_count(scene))
     domain = create_domain(comm, material_numbers)
     stiff = ring_material(scene) if scene.rings.model == "meshed" else None
-    cut = bool(comm.bcast(None if mesh is None else FACETS["start"] in mesh.facet_tags))
+    part = comm.bcast(None if mesh is None else part_of(mesh))
+    symmetric = symmetric_class(PLANES[part])
     bodies = None
     if scene.rings.model == "rigid" or plate:
         shape = shape_of(scene)
@@ -68,15 +85,13 @@ def scene_problem(scene: BellowsScene, mesh: SolidMesh | None, comm: MPI.Comm) -
             grade,
             centres,
             shape.seat_radius_mm,
-            motions=AXIAL if cut else EVERY_MOTION,
+            motions=symmetric.motions,
             plate=len(centres) - 1 if plate else None,
             plate_area_mm2=comm.bcast(None if mesh is None else _rim_area(mesh)) if plate else 0.0,
             plate_held=scene.blocked,
-            plate_force_n=scene.load.tip_force_n / SECTORS["sector" if cut else "full3d"],
+            plate_force_n=scene.load.tip_force_n / SECTORS[part],
         )
-    held: tuple[tuple[int, int], ...] = ((FACETS["axis"], 0),) if domain.axisymmetric else ()
-    if cut:
-        held = ((FACETS["start"], 1), (FACETS["end"], 0))
+    held = ((FACETS["axis"], 0),) if domain.axisymmetric else symmetric.held
     surfaces = Surfaces(
         cavity=FACETS["cavity"] if scene.load.sense > 0.0 else None,
         suction=FACETS["cavity"] if scene.load.sense < 0.0 else None,
@@ -132,9 +147,10 @@ def revolve_state(state: State, meridian: SolidMesh, body: SolidMesh) -> State:
     from them in one Newton step.
     """
     motions = state.bodies_mm
-    if len(motions) and FACETS["start"] not in body.facet_tags:
-        motions = np.zeros((len(motions), 6))
-        motions[:, 2] = state.bodies_mm[:, 0]
+    if len(motions):
+        mine = symmetric_class(PLANES[part_of(body)]).motions
+        motions = np.zeros((len(motions), len(mine)))
+        motions[:, mine.index(AXIAL[0])] = state.bodies_mm[:, 0]
     pressure = revolve_scalar(pressure_at_corners(state, meridian.cells, meridian.cell.corners), body)
     if state.pressure_mpa.ndim == 2:
         pressure = pressure[body.cells[:, : body.cell.corners]]
@@ -146,6 +162,7 @@ class Tip:
 
     def __init__(self, scene: BellowsScene, mesh: SolidMesh) -> None:
         self._plate = scene.geometry.tip == "rigid"
+        self._axial = 0 if mesh.dimension == 2 else symmetric_class(PLANES[part_of(mesh)]).motions.index(AXIAL[0])
         facets = mesh.facets[mesh.facet_tags == FACETS["tip"]]
         ends = mesh.points[facets]
         if mesh.dimension == 2:
@@ -162,7 +179,7 @@ class Tip:
     def mean_mm(self, state: State) -> float:
         """Mean over the rim."""
         if self._plate:
-            return float(state.bodies_mm[-1, 2 if state.bodies_mm.shape[1] == 6 else 0])
+            return float(state.bodies_mm[-1, self._axial])
         return float(self._weight @ state.displacement_mm[self._facets, -1].mean(axis=1))
 
     def centre_mm(self, state: State) -> float:

@@ -1,6 +1,6 @@
 """The whole body of a bellows in 3D, or a sector of it, at the requested pressures: each from an axisymmetric state.
 
-A whole body that is four images of a quarter is solved on the quarter: its states are mirrored, its unstable modes
+A whole body that is images of a quarter or a half is solved on that: its states are mirrored, its unstable modes
 counted by parity classes (`solvers.stability.parity`), and each requested state is proved by the residual of the whole
 body in it.
 """
@@ -15,7 +15,7 @@ from typing import Literal
 
 from mpi4py import MPI
 
-from meshes.solid import FACETS, SolidMesh
+from meshes.solid import SolidMesh
 from solvers.errors import Cause
 from solvers.linear.factor import Factor
 from solvers.linear.krylov import IterativeSolver
@@ -23,10 +23,10 @@ from solvers.paths.states import GuessMemory, PathSettings, PathState
 from solvers.paths.states import Path as EquilibriumPath
 from solvers.paths.warm_start import follow_guesses
 from solvers.problem import Problem
-from solvers.stability.parity import ParityFactor, Plane
+from solvers.stability.parity import ParityFactor
 from solvers.state import State
 from studies.first_rank import first
-from studies.models.build import Tip, masses_g, revolve_state, scene_problem
+from studies.models.build import PLANES, Tip, masses_g, part_of, revolve_state, scene_problem
 from studies.models.gaps import GapMeter
 from studies.models.run_log import Job, Log, begin, forget, path_row, without_fields, write_fields
 from studies.models.symmetry.mirrored import Diagonal, Proof, mirror
@@ -37,12 +37,13 @@ from studies.results.runs import Run, finished_run, run_hash
 from studies.scene.bellows import BellowsScene, core_shift_mm
 from studies.scene.meshes import (
     AS_A_WHOLE,
-    ON_A_QUARTER,
+    ON_A_PART,
     SECTORS,
+    Part,
     scene_body,
     scene_meridian,
+    solved_part,
     symmetry_note,
-    whole_because,
 )
 
 SolidModel = Literal["sector", "full3d"]
@@ -53,14 +54,12 @@ NOT_COUNTED = (
 )
 
 
-# The quarter's planes of symmetry.
-PLANES = (Plane(FACETS["start"], 1), Plane(FACETS["end"], 0))
-# A mirrored state is one of the whole body if its residual there is at most so many times that on the quarter, or this.
+# A mirrored state is one of the whole body if its residual there is at most so many times that on the part, or this.
 PROVED_TIMES, PROVED = 10.0, 1e-7
 
 
 class NeedsWhole(Exception):
-    """The quarter does not do; the text says why, and every rank raises it."""
+    """A part does not do; the text says why, and every rank raises it."""
 
 
 def run_full3d(
@@ -95,12 +94,13 @@ def run_full3d(
     notes = tuple(dict.fromkeys([*skipped, symmetry_note(scene, level.around)] if model == "full3d" else skipped))
     job = begin(scene, model, level.name, folder, progress, notes, content_hash)
     work = (scene, model, level, meridian_run, comm)
-    if model == "full3d" and not whole_because(scene, level.around):
+    part = solved_part(scene, level.around)[0] if model == "full3d" else model
+    if part != model:
         try:
-            return _solve(job, *work, solved="sector")
+            return _solve(job, *work, solved=part)
         except NeedsWhole as reason:
             first(comm, lambda: forget(folder))
-            kept = tuple(note for note in notes if note != ON_A_QUARTER)
+            kept = tuple(note for note in notes if note != ON_A_PART[part])
             job = dataclasses.replace(job, notes=(*kept, f"{AS_A_WHOLE}{reason}"))
     return _solve(job, *work, solved=model)
 
@@ -112,18 +112,18 @@ def _solve(
     level: BodyLevel,
     meridian_run: Path,
     comm: MPI.Comm,
-    solved: SolidModel,
+    solved: Part,
 ) -> Run:
-    """The run of a body whose equations are solved on it or on a sector.
+    """The run of a body whose equations are solved on it or on a part of it.
 
     Raises
     ------
     NeedsWhole
-        If the sector's states are none of the whole body, or the memory does not hold its factors.
+        If the part's states are none of the whole body, or the memory does not hold its factors.
     """
     folder = job.folder
     meridian, body = _meshes(scene, model, level, comm)
-    part = body if solved == model else scene_body(meridian, solved, level.around)
+    part = body if solved == model else scene_body(meridian, solved, level.around, core_shift_mm(scene))
     guesses = _guesses(scene, level, meridian_run, meridian, part, comm)
     meshed = time.perf_counter() - job.begin
     problem = scene_problem(scene, part if comm.rank == 0 else None, comm)
@@ -131,7 +131,7 @@ def _solve(
     tip, parts = Tip(scene, part), SECTORS[solved]
     proof = None
     if solved != model:
-        proof = Proof(mirror(part, body, PLANES), scene_problem(scene, body if comm.rank == 0 else None, comm))
+        proof = Proof(mirror(part, body, PLANES[solved]), scene_problem(scene, body if comm.rank == 0 else None, comm))
 
     def row_of(item: PathState) -> PathRow:
         row = path_row(item, tip, parts, job.sense)
@@ -143,7 +143,7 @@ def _solve(
     log = Log(
         job,
         problem,
-        _factor(scene, solved, problem, part, proof),
+        _factor(scene, problem, part, proof),
         body,
         row_of,
         # gaps are measured in planes through the axis, which a body that bends leaves
@@ -172,11 +172,12 @@ def _solve(
     return run
 
 
-def _factor(scene: BellowsScene, solved: SolidModel, problem: Problem, part: SolidMesh, proof: Proof | None) -> Factor:
+def _factor(scene: BellowsScene, problem: Problem, part: SolidMesh, proof: Proof | None) -> Factor:
     """What solves the equations, and counts."""
     if proof is not None:
-        return ParityFactor(problem, PLANES, Diagonal(part).is_alike)
-    return IterativeSolver(problem) if solved == "full3d" and scene.mesh.solver == "iterative" else Factor(problem)
+        return ParityFactor(problem, proof.mirrored.planes, Diagonal(part).is_alike)
+    whole = part_of(part) == "full3d"
+    return IterativeSolver(problem) if whole and scene.mesh.solver == "iterative" else Factor(problem)
 
 
 def _proved(proof: Proof, item: PathState) -> float:

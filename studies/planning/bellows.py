@@ -6,7 +6,7 @@ from studies.planning.error_model import MERIDIAN_SHARE, around_for, choose, kno
 from studies.planning.levels import FINER_MERIDIANS, MERIDIANS, Model
 from studies.planning.plan import Plan, tolerance_lines
 from studies.scene.bellows import RING_ERROR_PERCENT, BellowsScene, in_hexahedra
-from studies.scene.meshes import symmetry_note, whole_because
+from studies.scene.meshes import solved_part, symmetry_note
 from studies.scene.sections import SceneError
 
 # Cells round the circumference from which a sector tells that part of the error, where they share out to a quarter.
@@ -152,7 +152,7 @@ def bellows_lines(scene: BellowsScene, plan: Plan) -> list[str]:
             f"  a quarter in 3D, {cells}, meridian level r{plan.body_levels[0]}, {around} cells round: {pressures} kPa"
         )
     for around in plan.around_levels:
-        quarter = plan.model == "full3d" and not whole_because(scene, around)
-        solved = f"{body} on a quarter" if quarter else body
+        part = solved_part(scene, around)[0] if plan.model == "full3d" else ""
+        solved = body + {"sector": " on a quarter", "half": " on a half"}.get(part, "")
         lines.append(f"  {solved}, {cells}, meridian level {meridians}, {around} cells round: {pressures} kPa")
     return [*lines, *tolerance_lines(plan, scene.ask.tolerance_percent)]

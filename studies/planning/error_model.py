@@ -18,7 +18,7 @@ from meshes.meridian import meridian_mesh
 from studies.planning.levels import BODY_MERIDIANS, MERIDIANS, BodyLevel, Model, body_level, fineness
 from studies.scene.bellows import BellowsScene, in_hexahedra, shape_of
 from studies.scene.materials import law_of
-from studies.scene.meshes import cell_kind, quarters, scene_resolution, whole_because
+from studies.scene.meshes import SECTORS, cell_kind, quarters, scene_resolution, solved_part
 
 Cells = Literal["hex", "tet"]
 # The training set has no more convolutions than this.
@@ -209,16 +209,16 @@ def predicted_unknowns(scene: BellowsScene, model: Model, level: str) -> float:
     kind, resolution = cell_kind(scene), scene_resolution(scene, 1)
     cells = len(meridian_mesh(shape_of(scene), resolution, None, kind).cells) // (1 if kind == "quadrilaterals" else 2)
     through, along = resolution.through * refinement, cells // resolution.through * refinement
-    around = 0.5 if body is None else body.around / (4 if _on_a_quarter(scene, model, body.around) else 1)
+    around = 0.5 if body is None else body.around / _parts(scene, model, body.around)
     displacements = (2 if body is None else 3) * (2 * through + 1) * (2 * along + 1) * 2.0 * around
     if kind == "quadrilaterals":
         return displacements + through * along * (3 if body is None else 4 * around)
     return displacements + (through + 1) * (along + 1) * (1 if body is None else around)
 
 
-def _on_a_quarter(scene: BellowsScene, model: str, around: int = 0) -> bool:
-    """True if a body of so many cells round, or of one of the numbers that allow it, is solved on a quarter."""
-    return model == "sector" or (model == "full3d" and not whole_because(scene, around or quarters(scene)))
+def _parts(scene: BellowsScene, model: str, around: int = 0) -> int:
+    """How many parts make the body of what is solved, with so many cells round or a number that allows it."""
+    return SECTORS[model if model == "sector" else solved_part(scene, around or quarters(scene))[0]]
 
 
 def predicted_seconds(scene: BellowsScene, model: Model, level: str) -> float:
@@ -236,15 +236,15 @@ def around_for(scene: BellowsScene, model: str) -> int:
     """The fewest to begin with that leave the circumference its share of the scene's tolerance, or the most."""
     cells = cells_of(scene)
     allowed = AROUND_SHARE * scene.ask.tolerance_percent
-    most = MOST_ON_A_QUARTER if _on_a_quarter(scene, model) else ROUNDS[cells][-1]
+    most = MOST_ON_A_QUARTER if _parts(scene, model) == 4 else ROUNDS[cells][-1]
     few = [n for n in rounds_of(scene, model) if n <= most]
     return next((n for n in few if AROUND[cells].at(n) <= allowed), few[-1])
 
 
 def rounds_of(scene: BellowsScene, model: str) -> list[int]:
-    """Numbers of cells round that a body may have, fewest first: those of four quarters, if it is solved on one."""
+    """Numbers of cells round that a body may have, fewest first: those of four quarters, if it is solved on a part."""
     kind = cells_of(scene)
-    parts = quarters(scene) if _on_a_quarter(scene, model) else 1
+    parts = quarters(scene) if _parts(scene, model) > 1 else 1
     return [n for n in (*ROUNDS[kind], *FINER_ROUNDS[kind]) if n % parts == 0]
 
 

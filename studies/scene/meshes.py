@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Literal
+
 from meshes.cells import CellKind
 from meshes.eccentric import shift_core
 from meshes.errors import GeometryError
@@ -11,13 +14,17 @@ from meshes.solid import SolidMesh
 from meshes.sweep import FULL_CIRCLE, revolve_hexahedra
 from studies.scene.bellows import BellowsScene, in_hexahedra, ring_shape, shape_of
 
-# Sectors of one: the quarter, whose faces are the planes x = 0 and y = 0, held by components.
-SECTORS = {"full3d": 1, "sector": 4}
-# What is said of a body that is solved on a quarter, and of one that is not, with the reason.
-ON_A_QUARTER = (
-    "three quarters of the body: the whole is solved on a quarter between two planes of symmetry, and its unstable "
-    'modes are counted by parity classes, SS + 2 SA + AA (mesh.symmetry = "off" solves the whole itself)'
-)
+# What a body is solved on: itself, the half above its plane of symmetry y = 0, the quarter that x = 0 cuts off that.
+Part = Literal["full3d", "half", "sector"]
+SECTORS: Mapping[str, int] = {"full3d": 1, "half": 2, "sector": 4}
+# What is said of a body that is solved on a part, and of one that is not, with the reason.
+_ITSELF = '(mesh.symmetry = "off" solves the whole itself)'
+ON_A_PART: Mapping[str, str] = {
+    "sector": "three quarters of the body: the whole is solved on a quarter between two planes of symmetry, and its "
+    f"unstable modes are counted by parity classes, SS + 2 SA + AA {_ITSELF}",
+    "half": "half of the body: the whole is solved on one side of its plane of symmetry, and its unstable modes are "
+    f"counted by parity classes, S + A {_ITSELF}",
+}
 AS_A_WHOLE = "planes of symmetry: the whole body is solved, "
 
 
@@ -45,8 +52,10 @@ def quarters(scene: BellowsScene) -> int:
     return 8 if scene.geometry.tip == "cap" else 4
 
 
-def whole_because(scene: BellowsScene, around: int) -> str:
-    """Why full 3D is not solved on a quarter; empty if it is.
+def solved_part(scene: BellowsScene, around: int) -> tuple[Part, str]:
+    """What full 3D is solved on, and why if that is the whole body.
+
+    A core that is off the axis leaves one plane of symmetry of two.
 
     Parameters
     ----------
@@ -54,22 +63,20 @@ def whole_because(scene: BellowsScene, around: int) -> str:
         Cells in the whole circle.
     """
     if scene.mesh.symmetry == "off":
-        return 'mesh.symmetry = "off"'
-    if scene.geometry.eccentricity:
-        return "the core is off the axis"
+        return "full3d", 'mesh.symmetry = "off"'
     if not in_hexahedra(scene):
-        return "a quarter is meshed in hexahedra"
+        return "full3d", "a part is meshed in hexahedra"
     if scene.mesh.solver == "iterative":
-        return "the iterative solver is for whole bodies"
+        return "full3d", "the iterative solver is for whole bodies"
     if around % quarters(scene):
-        return f"{around} cells round are no multiple of {quarters(scene)}"
-    return ""
+        return "full3d", f"{around} cells round are no multiple of {quarters(scene)}"
+    return ("half" if scene.geometry.eccentricity else "sector"), ""
 
 
 def symmetry_note(scene: BellowsScene, around: int) -> str:
-    """Which part of the body full 3D is solved on, and why; a sentence of what is left out."""
-    why = whole_because(scene, around)
-    return AS_A_WHOLE + why if why else ON_A_QUARTER
+    """What full 3D is solved on, and why; a sentence of what is left out."""
+    part, why = solved_part(scene, around)
+    return AS_A_WHOLE + why if why else ON_A_PART[part]
 
 
 def scene_body(meridian: SolidMesh, model: str, around: int, core_shift_mm: float = 0.0) -> SolidMesh:
@@ -78,11 +85,11 @@ def scene_body(meridian: SolidMesh, model: str, around: int, core_shift_mm: floa
     Raises
     ------
     GeometryError
-        If the cells do not share out to the sector, or the core is shifted in one.
+        If the cells do not share out to the sector, or the core is shifted in a quarter.
     """
     parts = SECTORS[model]
     if core_shift_mm:
-        if parts > 1:
+        if model == "sector":
             raise GeometryError("a sector of a body whose core is off the axis: take full3d")
         return shift_core(scene_body(meridian, model, around), meridian, core_shift_mm)
     if meridian.cell.name != "quadrilateral" and parts > 1:

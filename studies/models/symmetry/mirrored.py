@@ -14,7 +14,7 @@ from meshes.solid import IntArray, SolidMesh
 from solvers.bodies.rigid import MOTIONS
 from solvers.equilibrium.newton import relative_residual
 from solvers.problem import Problem
-from solvers.stability.parity import ParityClass, Plane, parity_classes
+from solvers.stability.parity import ParityClass, Plane, symmetric_class
 from solvers.state import State
 
 # Nodes that are farther from each other's mirror images than this share of the body are not.
@@ -54,7 +54,7 @@ class Mirrored:
 
     def state(self, of_part: State) -> State:
         """The symmetric state of the whole."""
-        return self.of_class(of_part, parity_classes(self.planes)[0].name)
+        return self.of_class(of_part, symmetric_class(self.planes).name)
 
     def of_class(self, of_part: State, name: str) -> State:
         """A field of the whole from the part's field of a parity class, whose motions the bodies of the part have."""
