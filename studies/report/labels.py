@@ -44,6 +44,7 @@ QUANTITIES: Mapping[str, str] = {
     "min_gap_mm": "least gap",
     "contact_force_n": "contact force",
     "largest_stretch": "largest stretch",
+    "whole_residual": "residual of the whole body by its load",
     "limit_kpa": "limit point of the pressure",
     "crossing_kpa": "loss of stability",
     "silicone_g": "mass of the silicone",

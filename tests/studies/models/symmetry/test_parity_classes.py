@@ -63,8 +63,8 @@ class Bodies:
 def scene_of(kind: str, convolutions: int = 1) -> BellowsScene:
     """With a cap, a rigid plate, or a core that is off the axis."""
     scene = load_bellows(ROOT / "scenes" / "heung-t2-ri5.toml")
-    changes: dict[str, Any] = {"rigid": {"tip": "rigid"}, "core": {"eccentricity": 0.2}}.get(kind, {})
-    short = scene.geometry.model_copy(update={"convolutions": convolutions, **changes})
+    changes: dict[str, dict[str, Any]] = {"rigid": {"tip": "rigid"}, "core": {"eccentricity": 0.2}}
+    short = scene.geometry.model_copy(update={"convolutions": convolutions, **changes.get(kind, {})})
     return scene.model_copy(update={"geometry": short})
 
 
