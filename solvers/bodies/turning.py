@@ -95,14 +95,17 @@ class Turning:
 
 
 def turning_bodies(unknowns: Unknowns, bodies: RigidBodies, bonded: Sequence[IntArray]) -> Turning | None:
-    """The bonded points of bodies, from the owned dofs bonded to each; None if they cannot turn."""
+    """The bonded points of bodies, from the owned free dofs bonded to each; None if they cannot turn.
+
+    A point in a plane of symmetry has a component that is held, which no rotation that keeps the plane moves.
+    """
     motions = bodies.motions_on(unknowns.domain.axisymmetric)
     if not turning(motions):
         return None
     dofs, positions = [], []
     owned = (unknowns.u_dofs >= 0).all(axis=1) & (unknowns.u_dofs < unknowns.owned).all(axis=1)
     for of_body in bonded:  # a point is its owner's
-        nodes = np.flatnonzero(owned & np.isin(unknowns.u_dofs, of_body).all(axis=1))
+        nodes = np.flatnonzero(owned & np.isin(unknowns.u_dofs, of_body).any(axis=1))
         dofs.append(unknowns.u_dofs[nodes])
         positions.append(np.asarray(unknowns.domain.mesh.geometry.x[nodes]))
     return Turning(dofs, positions, np.asarray(bodies.centres_mm), bodies.arm_mm, motions)
