@@ -1,7 +1,11 @@
-"""Run by test_full3d_on_a_quarter.py, under mpirun too: a scene in full 3D as a whole and on a quarter."""
+"""Run under mpirun by test_full3d_on_a_quarter.py: a scene in full 3D; prints the rows of its path.
+
+Arguments: the scene, and the folder for its runs.
+"""
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import sys
 from pathlib import Path
@@ -19,23 +23,9 @@ def main(file: Path, out: Path) -> None:
     comm = MPI.COMM_WORLD
     scene, progress = load_bellows(file), Progress(comm)
     run_axisymmetric(scene, 1, out / "flat", comm, progress)
-    found = {}
-    for symmetry in ("auto", "off"):
-        mesh = scene.mesh.model_copy(update={"symmetry": symmetry})
-        of = scene.model_copy(update={"mesh": mesh})
-        run = run_full3d(of, "full3d", BodyLevel(8), out / "flat", out / symmetry, comm, progress, ())
-        found[symmetry] = {
-            "rows": [
-                {name: getattr(row, name) for name in row.__dataclass_fields__ if name != "control"} for row in run.path
-            ],
-            "status": run.summary.status,
-            "crossing": run.summary.crossing,
-            "unknowns": [run.summary.dofs, run.summary.solved_dofs],
-            "cells": run.summary.cells,
-            "plan": run.summary.plan,
-        }
+    run = run_full3d(scene, "full3d", BodyLevel(8), out / "flat", out / "body", comm, progress, ())
     if comm.rank == 0:
-        print(json.dumps(found))
+        print(json.dumps([dataclasses.asdict(row) for row in run.path]))
 
 
 if __name__ == "__main__":
