@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from solvers import compat
+from solvers.assembly.places import places_in
 from solvers.assembly.supports import dofs_of_facets
 from solvers.discrete.domain import Domain, FloatArray, IntArray
 
@@ -55,16 +56,26 @@ def new_matrix(space: Any, extra: int, symmetric: bool, patterns: Iterable[scipy
 
 
 def assemble(
-    matrix: PETSc.Mat, form: Any, bcs: list[Any], space: Any, additions: Iterable[Callable[[PETSc.Mat], None]]
+    matrix: PETSc.Mat, form: Any, bcs: list[Any], space: Any, additions: Iterable[Callable[[PETSc.Mat], None]] = ()
 ) -> None:
-    """Assemble a compiled bilinear form with its Dirichlet conditions, and what is added to it, into a matrix."""
+    """Assemble a compiled bilinear form, and what is added to it, into a matrix of `new_matrix`.
+
+    Rows and columns of dofs that Dirichlet conditions hold are those of the identity.
+    """
     matrix.zeroEntries()
-    compat.assemble_into(matrix, form, bcs, space)
+    places_in(matrix, space).add(matrix, form, compat.held_dofs(bcs, space))
+    _flush(matrix)
+    compat.insert_diagonal(matrix, bcs, space)
     for add_to in additions:
-        matrix.assemblyBegin(PETSc.Mat.AssemblyType.FLUSH)
-        matrix.assemblyEnd(PETSc.Mat.AssemblyType.FLUSH)
+        _flush(matrix)
         add_to(matrix)
     matrix.assemble()
+
+
+def _flush(matrix: PETSc.Mat) -> None:
+    """Values may be added after others were set, and the other way round, with this between."""
+    matrix.assemblyBegin(PETSc.Mat.AssemblyType.FLUSH)
+    matrix.assemblyEnd(PETSc.Mat.AssemblyType.FLUSH)
 
 
 def bonded_dofs(domain: Domain, space: Any, components: int, bodies: int) -> list[IntArray]:
