@@ -63,13 +63,18 @@ def assemble(
     Rows and columns of dofs that Dirichlet conditions hold are those of the identity.
     """
     matrix.zeroEntries()
-    places_in(matrix, space).add(matrix, form, compat.held_dofs(bcs, space))
+    add_form(matrix, form, bcs, space)
     _flush(matrix)
     compat.insert_diagonal(matrix, bcs, space)
     for add_to in additions:
         _flush(matrix)
         add_to(matrix)
     matrix.assemble()
+
+
+def add_form(matrix: PETSc.Mat, form: Any, bcs: list[Any], space: Any) -> None:
+    """Add a compiled bilinear form to an assembled matrix of `new_matrix`, nothing on dofs that conditions hold."""
+    places_in(matrix, space).add(matrix, form, compat.held_dofs(bcs, space))
 
 
 def _flush(matrix: PETSc.Mat) -> None:

@@ -7,13 +7,13 @@ from typing import Any
 
 import cffi
 import numpy as np
-from dolfinx import cpp
+from dolfinx.fem import IntegralType
 from numpy.typing import NDArray
 
 from solvers.compat import packed, stack
 
 # Places of the types of integrals in a form are the same in all versions.
-_TYPES = (cpp.fem.IntegralType.cell, cpp.fem.IntegralType.exterior_facet)
+_TYPES = (IntegralType.cell, IntegralType.exterior_facet)
 
 
 @dataclass(frozen=True)
