@@ -43,7 +43,8 @@ def new_matrix(space: Any, extra: int, symmetric: bool, patterns: Iterable[scipy
     for more in patterns:
         pattern = pattern + more
     pattern.sort_indices()
-    csr = (pattern.indptr.astype(PETSc.IntType), pattern.indices.astype(PETSc.IntType), np.zeros(pattern.nnz))
+    indptr, indices = (of.astype(PETSc.IntType, copy=False) for of in (pattern.indptr, pattern.indices))
+    csr = (indptr, indices, np.zeros(pattern.nnz))
     matrix = PETSc.Mat().createAIJ(size=((rows, size), (rows, size)), csr=csr, comm=comm)
     local = np.arange(owned + index_map.num_ghosts, dtype=np.int32)
     names = np.concatenate([index_map.local_to_global(local), np.arange(total, size)])

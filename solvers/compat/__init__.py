@@ -165,7 +165,9 @@ def cell_pattern(space: Any) -> scipy.sparse.csr_matrix:
         (np.ones(dofs.size, np.int16), dofs.ravel(), starts), shape=(len(dofs), owned + ghosts)
     )
     local = (at.T @ at).tocsr()
-    names = index_map.local_to_global(np.arange(owned + ghosts, dtype=np.int32))
+    if comm.size == 1:
+        return local
+    names = index_map.local_to_global(np.arange(owned + ghosts, dtype=np.int32)).astype(PETSc.IntType)
     pattern = scipy.sparse.csr_matrix((local.data, names[local.indices], local.indptr), shape=(owned + ghosts, total))
     # what other ranks' cells couple at a dof is its owner's too
     firsts = np.array(comm.allgather(index_map.local_range[0]))

@@ -65,10 +65,10 @@ def library(source: Path) -> Any:
 def _processor() -> str:
     """What -march=native depends on: machines of a cluster may share the cache and not their instructions."""
     try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
+        with open("/proc/cpuinfo", encoding="utf-8") as lines:
+            return next(line for line in lines if line.startswith(("flags", "Features")))
+    except (OSError, StopIteration):
         return platform.processor()
-    return next((line for line in lines if line.startswith(("flags", "Features"))), platform.processor())
 
 
 @functools.cache
