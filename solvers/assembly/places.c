@@ -77,9 +77,13 @@ void add_elements(const integral *of, const mesh *on, const int32_t *chosen, int
   double matrix[size * size];
   for (int32_t k = 0; k < count; ++k)
   {
-    element(of, on, chosen[k], matrix);
     const int64_t cell = of->cells[chosen[k]];
     const int32_t *dofs = on->dofs + cell * size;
+    /* values come from memory while the element is computed; components of a node are mostly side by side */
+    for (int32_t i = 0; i < size; ++i)
+      for (int32_t j = 0; j < size; j += 3)
+        __builtin_prefetch((double *)values + starts[dofs[i]] + places[(cell * size + i) * size + j], 1, 2);
+    element(of, on, chosen[k], matrix);
     for (int32_t i = 0; i < size; ++i)
     {
       /* so are two in three rows of a facet's matrix */

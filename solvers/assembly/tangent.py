@@ -51,7 +51,7 @@ def new_matrix(space: Any, extra: int, symmetric: bool, patterns: Iterable[scipy
     lgmap = PETSc.LGMap().create(names.astype(PETSc.IntType), comm=comm)
     matrix.setLGMap(lgmap, lgmap)
     matrix.setOption(PETSc.Mat.Option.SYMMETRIC, symmetric)
-    # Finding its place costs an entry more than computing it, and nine in ten entries of a facet's are zeros.
+    # What goes in by PETSc is looked up in its row, and nine in ten entries of a facet's are zeros.
     matrix.setOption(PETSc.Mat.Option.IGNORE_ZERO_ENTRIES, True)
     return matrix
 

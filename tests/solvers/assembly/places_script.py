@@ -108,7 +108,7 @@ KINDS: dict[str, Callable[[], Problem]] = {
     "constant pressure, tetrahedra": lambda: tube("triangles", True, element=P2_P0),
 }
 
-WITH_HARMONICS = ("meridian of triangles", "meridian of quadrilaterals", "meshed rings")
+WITH_HARMONICS = ("meridian of triangles", "meridian of quadrilaterals")
 
 
 def move(problem: Problem) -> None:
