@@ -134,6 +134,8 @@ def smallest_gap_to_ring(points: FloatArray, ring: FloatArray) -> Gap:
     if not len(points):
         return NO_GAP
     start, step = ring, np.roll(ring, -1, axis=0) - ring
+    long = step.any(axis=1)  # a ring that is rounded over its whole height has two corners in one
+    start, step = start[long], step[long]
     between = points[:, None] - start[None]
     share = np.clip(np.einsum("mkd,kd->mk", between, step) / np.einsum("kd,kd->k", step, step), 0.0, 1.0)
     distance = np.linalg.norm(between - share[..., None] * step, axis=-1).min(axis=1)
