@@ -18,6 +18,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from meshes.cells import FloatArray, IntArray
+from meshes.errors import MeshError
+from meshes.solid import SolidMesh
 
 _UNIT = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
 # The three children of the unit square for the vertex (0, 0).
@@ -30,10 +32,13 @@ _CHILDREN = np.array(
 )
 # Positions closer than this are one: a strip's coordinates are small numbers, its cells far larger.
 DIGITS = 9
+_NEAR = 1e-9
+# Of a bilinear map whose sides are not far from parallel, to round-off.
+_NEWTON_STEPS = 8
 
 
 def strip_cells(
-    intervals: int, layers: int, vertices: Sequence[tuple[int, int]], corner_levels: int, refinement: int = 1
+    intervals: int, layers: int, vertices: Sequence[tuple[int, int]], cuts: int, divisions: int = 1
 ) -> FloatArray:
     """Cells of a strip that become smaller towards some vertices.
 
@@ -43,10 +48,10 @@ def strip_cells(
         Cells along the strip and across it, on the coarsest level.
     vertices
         Singular vertices (s, t), whole numbers; no cell may have two of them.
-    corner_levels
-        How often the cells at them are cut on the coarsest level; once more with each doubling.
-    refinement
-        Cells that a cell's edge is divided into.
+    cuts
+        How often the cells at them are cut.
+    divisions
+        Parts that the sides of all cells are then divided into.
 
     Returns
     -------
@@ -55,10 +60,9 @@ def strip_cells(
     """
     s, t = (x.ravel() for x in np.meshgrid(np.arange(intervals), np.arange(layers), indexing="ij"))
     cells = np.stack([s, t], axis=-1)[:, None, :] + _UNIT
-    if vertices and corner_levels:
-        for _ in range(corner_levels + refinement.bit_length() - 1):
-            cells = cut_corners(cells, vertices)
-    cells = divided(cells, refinement)
+    for _ in range(cuts if vertices else 0):
+        cells = cut_corners(cells, vertices)
+    cells = divided(cells, divisions)
     return cells[np.lexsort(np.round(cells[:, 0, ::-1], DIGITS).T)]
 
 
@@ -106,3 +110,49 @@ def number_nodes(cells: FloatArray) -> tuple[FloatArray, IntArray]:
     every = positions_in(cells, half).reshape(-1, 2)
     _, first, back = np.unique(np.round(every, DIGITS), axis=0, return_index=True, return_inverse=True)
     return every[first], back.reshape(len(cells), 9).astype(np.int64)
+
+
+def interpolation(mesh: SolidMesh, at: FloatArray) -> tuple[IntArray, FloatArray]:
+    """How to read off what a meridian's nodes have at other places of its strip, such as the nodes of a finer level.
+
+    Parameters
+    ----------
+    mesh
+        A meridian with strip coordinates.
+    at
+        Strip coordinates, shape (p, 2).
+
+    Returns
+    -------
+    nodes, weights
+        Nodes of the cell that each place is in, and their weights there, shape (p, nodes of a cell) both.
+
+    Raises
+    ------
+    MeshError
+        If a place is in no cell.
+    """
+    cells = mesh.cells[(mesh.cells < len(mesh.strip)).all(axis=1)]  # not those of meshed rings
+    first = np.floor(mesh.strip[cells].mean(axis=1)[:, 0])  # no cell reaches beyond an interval of the coarsest level
+    nodes, weights = np.full((len(at), cells.shape[1]), -1), np.zeros((len(at), cells.shape[1]))
+    for interval in np.unique(first):
+        places = np.flatnonzero((at[:, 0] >= interval) & (at[:, 0] <= interval + 1.0) & (nodes[:, 0] < 0))
+        own = cells[first == interval]
+        corners = mesh.strip[own]
+        low, high = corners.min(axis=1) - _NEAR, corners.max(axis=1) + _NEAR
+        in_box = ((at[places, None] >= low) & (at[places, None] <= high)).all(axis=2)
+        place, cell = np.nonzero(in_box)
+        reference = np.tile(mesh.cell.rule[0].mean(axis=0), (len(place), 1))
+        for _ in range(_NEWTON_STEPS):
+            value, slope = mesh.cell.shape(reference)
+            away = at[places[place]] - np.einsum("pk,pkd->pd", value, corners[cell])
+            reference = reference + np.linalg.solve(np.einsum("pkd,pkr->pdr", corners[cell], slope), away[..., None])[..., 0]
+        inside = (reference > -_NEAR).all(axis=1) & (reference < 1.0 + _NEAR).all(axis=1)
+        if mesh.cell.name == "triangle":
+            inside &= reference.sum(axis=1) < 1.0 + _NEAR
+        hit = places[place[inside]]
+        nodes[hit], weights[hit] = own[cell[inside]], mesh.cell.shape(reference[inside])[0]
+    if (nodes < 0).any():
+        s, t = at[np.flatnonzero(nodes[:, 0] < 0)[0]]
+        raise MeshError(f"no cell of the meridian's strip is at s = {s:g}, t = {t:g}")
+    return nodes, weights

@@ -41,9 +41,8 @@ class Resolution:
         Cells along the flat part of the cap.
     refinement
         Factor on all counts: 1, 2, 4, ...
-    edge_levels
-        How often the cells at the edges of the seats are cut on the coarsest level, each time to half their size; once
-        more with each doubling.
+    edge_cuts
+        How often the cells at the edges of the seats are cut, each time to half their size, before all are divided.
     """
 
     through: int
@@ -51,7 +50,7 @@ class Resolution:
     arc_rad: float = math.pi / 6
     cap_cells: int = 4
     refinement: int = 1
-    edge_levels: int = 0
+    edge_cuts: int = 0
 
 
 def default_resolution(shape: BellowsShape, refinement: int = 1, cells: CellKind = "triangles") -> Resolution:
@@ -228,7 +227,7 @@ def meridian_mesh(
             int(_starts(parts)[-1]),
             through,
             seat_edges(parts, through),
-            resolution.edge_levels,
+            resolution.edge_cuts,
             resolution.refinement,
         )
     )

@@ -200,15 +200,20 @@ def checked_error_percent(cells: Cells, level: int, value_mm: Sequence[float], o
 def predicted_unknowns(scene: BellowsScene, model: Model, level: str) -> float:
     """How many unknowns a run has, to some percent; meshed rings and what meets on the axis are not counted apart."""
     body = None if model == "axisymmetric" else body_level(level)
-    refinement = fineness(level) if body is None else body.meridian
-    kind, resolution = cell_kind(scene), scene_resolution(scene, 1)
-    cells = len(meridian_mesh(shape_of(scene), resolution, None, kind).cells) // (1 if kind == "quadrilaterals" else 2)
-    through, along = resolution.through * refinement, cells // resolution.through * refinement
-    around = 0.5 if body is None else body.around / (4 if model == "sector" else 1)
-    displacements = (2 if body is None else 3) * (2 * through + 1) * (2 * along + 1) * 2.0 * around
-    if kind == "quadrilaterals":
-        return displacements + through * along * (3 if body is None else 4 * around)
-    return displacements + (through + 1) * (along + 1) * (1 if body is None else around)
+    finer = fineness(level) if body is None else body.meridian
+    mesh = meridian_mesh(shape_of(scene), scene_resolution(scene, 1), None, "quadrilaterals")
+    cells, corners = len(mesh.cells), len(mesh.corners)
+    sides = cells + corners - 1
+
+    def points(parts: int) -> int:
+        """Corners of cells with their sides cut into so many parts."""
+        return corners + sides * (parts - 1) + cells * (parts - 1) ** 2
+
+    layers = 1 if body is None else body.around // (4 if model == "sector" else 1)
+    displacements = (2 if body is None else 6 * layers) * points(2 * finer)
+    if cell_kind(scene) == "quadrilaterals":
+        return displacements + cells * finer**2 * layers * (3 if body is None else 4)
+    return displacements + points(finer) * layers
 
 
 def predicted_seconds(scene: BellowsScene, model: Model, level: str) -> float:

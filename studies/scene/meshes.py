@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from meshes.cells import CellKind
 from meshes.eccentric import shift_core
 from meshes.errors import GeometryError
@@ -13,6 +15,9 @@ from studies.scene.bellows import BellowsScene, in_hexahedra, ring_shape, shape_
 
 # Sectors of one: the quarter, whose faces are the planes x = 0 and y = 0, held by components.
 SECTORS = {"full3d": 1, "sector": 4}
+# How often cells at a seat's edge are cut on r1: what three times leaves less is lost to Newton's method, and once
+# leaves twice the error (docs/decisions.md, "Edges of the seats").
+EDGE_CUTS = 2
 
 
 def cell_kind(scene: BellowsScene) -> CellKind:
@@ -21,8 +26,15 @@ def cell_kind(scene: BellowsScene) -> CellKind:
 
 
 def scene_resolution(scene: BellowsScene, refinement: int) -> Resolution:
-    """Numbers of cells of the meridian at a refinement."""
-    return default_resolution(shape_of(scene), refinement, cell_kind(scene))
+    """Numbers of cells of the meridian at a refinement; small ones where a rigid bond ends."""
+    usual = default_resolution(shape_of(scene), refinement, cell_kind(scene))
+    return replace(usual, edge_cuts=EDGE_CUTS if singular_edges(scene) else 0)
+
+
+def singular_edges(scene: BellowsScene) -> bool:
+    """True if the seats' edges are singular: rigid rings on a bond that does not fade out towards them."""
+    rings = scene.rings
+    return rings.model == "rigid" and (rings.bond == "rigid" or rings.bond_grading_mm == 0.0)
 
 
 def scene_meridian(scene: BellowsScene, refinement: int) -> SolidMesh:
