@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from meshes.cells import CellKind
@@ -15,9 +16,9 @@ from studies.scene.bellows import BellowsScene, in_hexahedra, ring_shape, shape_
 
 # Sectors of one: the quarter, whose faces are the planes x = 0 and y = 0, held by components.
 SECTORS = {"full3d": 1, "sector": 4}
-# How often cells at a seat's edge are cut on r1: what three times leaves less is lost to Newton's method, and once
-# leaves twice the error (docs/decisions.md, "Edges of the seats").
-EDGE_CUTS = 2
+# Cells through the wall that those at a seat's edge would make, on the coarsest meridian: half as large would leave half
+# the error there, at up to twice the factorisations (docs/decisions.md, "Edges of the seats").
+CELLS_AT_EDGES = 4
 
 
 def cell_kind(scene: BellowsScene) -> CellKind:
@@ -28,7 +29,8 @@ def cell_kind(scene: BellowsScene) -> CellKind:
 def scene_resolution(scene: BellowsScene, refinement: int) -> Resolution:
     """Numbers of cells of the meridian at a refinement; small ones where a rigid bond ends."""
     usual = default_resolution(shape_of(scene), refinement, cell_kind(scene))
-    return replace(usual, edge_cuts=EDGE_CUTS if singular_edges(scene) else 0)
+    cuts = round(math.log2(CELLS_AT_EDGES / usual.through)) if singular_edges(scene) else 0
+    return replace(usual, edge_cuts=max(0, cuts))
 
 
 def singular_edges(scene: BellowsScene) -> bool:
