@@ -178,5 +178,5 @@ def tip_convergence(
             changes.append(abs((one - other) / other))
     share = 1.0
     if len(reached) == 3 and orders.edge is not None:
-        share = share_left([1.0 / fineness(run.summary.level) for run in reached], orders.edge)
+        share = share_left([1.0 / fineness(run.summary.level) for run in reached[::2]], orders.edge)
     return replace(found, least=share * max(changes, default=0.0) * abs(tip_at(reached[-1], pressure_kpa, quantity)))

@@ -27,16 +27,18 @@ def cell_kind(scene: BellowsScene) -> CellKind:
 
 
 def scene_resolution(scene: BellowsScene, refinement: int) -> Resolution:
-    """Numbers of cells of the meridian at a refinement; small ones where a rigid bond ends."""
+    """Numbers of cells of the meridian at a refinement; small ones at the edges of the seats of rigid rings."""
     usual = default_resolution(shape_of(scene), refinement, cell_kind(scene))
-    cuts = round(math.log2(CELLS_AT_EDGES / usual.through)) if singular_edges(scene) else 0
+    cuts = round(math.log2(CELLS_AT_EDGES / usual.through)) if _cuts_edges(scene) else 0
     return replace(usual, edge_cuts=max(0, cuts))
 
 
-def singular_edges(scene: BellowsScene) -> bool:
-    """True if the seats' edges are singular: rigid rings on a bond that does not fade out towards them."""
+def _cuts_edges(scene: BellowsScene) -> bool:
+    """True where small cells at the seats' edges were found to pay, see `CELLS_AT_EDGES`: not with meshed rings, nor on
+    a layer of adhesive that does not fade out.
+    """
     rings = scene.rings
-    return rings.model == "rigid" and (rings.bond == "rigid" or rings.bond_grading_mm == 0.0)
+    return rings.model == "rigid" and (rings.bond == "rigid" or rings.bond_grading_mm > 0.0)
 
 
 def scene_meridian(scene: BellowsScene, refinement: int) -> SolidMesh:
