@@ -146,7 +146,9 @@ def interpolation(mesh: SolidMesh, at: FloatArray) -> tuple[IntArray, FloatArray
         for _ in range(_NEWTON_STEPS):
             value, slope = mesh.cell.shape(reference)
             away = at[places[place]] - np.einsum("pk,pkd->pd", value, corners[cell])
-            reference = reference + np.linalg.solve(np.einsum("pkd,pkr->pdr", corners[cell], slope), away[..., None])[..., 0]
+            reference = (
+                reference + np.linalg.solve(np.einsum("pkd,pkr->pdr", corners[cell], slope), away[..., None])[..., 0]
+            )
         inside = (reference > -_NEAR).all(axis=1) & (reference < 1.0 + _NEAR).all(axis=1)
         if mesh.cell.name == "triangle":
             inside &= reference.sum(axis=1) < 1.0 + _NEAR

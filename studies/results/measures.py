@@ -250,8 +250,7 @@ def largest_stretches(places: Places, displacement_mm: FloatArray) -> FloatArray
     cells, rest = places.cells, places.points[: places.nodes]
     slopes = places.cell.shape(places.cell.nodes)[1]
     before, after = (  # derivatives of the positions in the reference cell, shape (cells, nodes of a cell, 2, 2)
-        np.moveaxis(np.tensordot(x[cells], slopes, (1, 1)), 1, 2)
-        for x in (rest, rest + displacement_mm)
+        np.moveaxis(np.tensordot(x[cells], slopes, (1, 1)), 1, 2) for x in (rest, rest + displacement_mm)
     )
     # by Cramer's rule: numpy's inverse of a hundred thousand 2 x 2 matrices takes twenty times as long
     a, b, c, d = before[..., 0, 0], before[..., 0, 1], before[..., 1, 0], before[..., 1, 1]
