@@ -14,15 +14,19 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from meshes.bellows import FloatArray, cap_band, check_shape, corner_band, wall_segments
 from meshes.by_gmsh.ring import RingShape, ring_triangles
 from meshes.cells import QUADRILATERAL_NODES, CellKind
 from meshes.corners import number_nodes, strip_cells
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, MeshError
 from meshes.quality import jacobians
 from meshes.shape import BellowsShape
 from meshes.solid import FACETS, REGIONS, TRIANGLE_EDGES, IntArray, SolidMesh
+
+# Nodes closer than this are one; those of a mesh are farther apart than a micrometre.
+_SAME_NODE_MM = 1e-6
 
 
 @dataclass(frozen=True)
@@ -334,14 +338,18 @@ def _join_rings(
         all_cells.append(ring_cells + offset)
         offset += len(ring_points)
     joined, joined_cells = np.vstack(all_points), np.vstack(all_cells)
-    # Merge nodes that coincide: only seat nodes do, and they are farther apart than 1e-6 mm.
-    _, first, back = np.unique(np.round(joined, 6), axis=0, return_index=True, return_inverse=True)
-    keep = np.sort(first)
-    renumber = np.empty(len(first), dtype=np.int64)
-    renumber[np.argsort(first)] = np.arange(len(first))
-    merged = renumber[back]
-    if not np.array_equal(merged[: len(points)], np.arange(len(points))):
-        raise GeometryError("ring mesh: two nodes of the wall coincide")
+    # A ring's nodes on its seat, corners and midsides, are the wall's; gmsh has them some 1e-13 mm away.
+    distance, nearest = cKDTree(points).query(joined[len(points) :], distance_upper_bound=_SAME_NODE_MM)
+    on_wall = np.isfinite(distance)
+    expected = 2 * len(seat_edges) + len(crest_z)
+    if len(np.unique(nearest[on_wall])) != on_wall.sum() or on_wall.sum() != expected:
+        raise MeshError(
+            f"rings: they share {on_wall.sum()} nodes with seats that have {expected}"
+        )  # a fault of this program
+    keep = np.concatenate([np.arange(len(points)), len(points) + np.flatnonzero(~on_wall)])
+    merged = np.empty(len(joined), dtype=np.int64)
+    merged[keep] = np.arange(len(keep))
+    merged[len(points) :][on_wall] = nearest[on_wall]
     new_cells = merged[joined_cells]
     new_regions = np.concatenate([regions, np.full(len(new_cells) - len(cells), REGIONS["ring"])])
 

@@ -38,6 +38,8 @@ LIMIT_BYTES: Final = 8 * 2**30
 BATCH: Final = 20
 # Up to how many unknowns a mesh is refined for a tolerance here, instead of `studies.planning.levels.MOST_UNKNOWNS`.
 FEWER_UNKNOWNS: Final = 30_000
+# One process waits for nobody: giving way at each of MUMPS's probes starves it where other work runs.
+ALONE: Final = {"OMPI_MCA_mpi_yield_when_idle": "0"}
 SENTINEL: Final = "kept.txt"
 
 
@@ -73,7 +75,7 @@ def run_in_children(jobs: Sequence[Job], order: Path, tell: Callable[[Job, Outco
         batch = missing[:BATCH]
         write_atomically(order, pickle.dumps(batch))
         command = [sys.executable, "-m", __name__, str(order)]
-        ended = mpi_children.run(command, mpi_children.environment(), (LIMIT_CLOCK_S + 10.0) * len(batch))
+        ended = mpi_children.run(command, mpi_children.environment() | ALONE, (LIMIT_CLOCK_S + 10.0) * len(batch))
         order.unlink()
         at = next((job for job in batch if job.outcome is None), None)
         if at is not None:

@@ -28,6 +28,7 @@ from studies.results.rows import NOT_MET, REACHED, Row
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene
 from studies.scene.bodies import BodyScene
+from studies.scene.body_geometry import MeshGeometry
 from studies.scene.load import Scene
 
 SMALL = 0.01
@@ -70,9 +71,7 @@ def asked_of(scene: Scene, rows: Sequence[Row], model: str, level: str) -> tuple
 
 
 def shortfalls(scene: Scene, rows: Sequence[Row], model: str, level: str) -> tuple[Shortfall, ...]:
-    """Requested values of a mesh that do not hold the scene's tolerance; none of a body that has one mesh only."""
-    if isinstance(scene, BodyScene) and len({row.level for row in rows if row.model == model}) < 2:
-        return ()
+    """Requested values of a mesh that do not hold the scene's tolerance, as far as anybody knows."""
     asked = asked_of(scene, rows, model, level)
     percents = [(row, _percent(row, [r for r in asked if r.quantity == row.quantity])) for row in asked]
     tolerance = scene.ask.tolerance_percent
@@ -140,6 +139,8 @@ def _remedy(scene: Scene, worst: Shortfall) -> str:
         flat = "axisymmetric" in models_of(scene) if isinstance(scene, BodyScene) else not scene.geometry.eccentricity
         closer = "ask for --model axisymmetric, which is exact for this scene and finer, or " if flat else ""
     if not math.isfinite(worst.reached_percent):
+        if isinstance(scene, BodyScene) and isinstance(scene.geometry, MeshGeometry):
+            closer += "give a coarser mesh, small enough to be solved with its edges halved too, or "
         return f"To do: {closer}leave out the loads that other meshes do not reach"
     enough = 1.005 * worst.reached_percent
     last = f"set ask.tolerance_percent to {enough:.3g} or more" if enough <= 100.0 else "ask for smaller loads"

@@ -8,6 +8,7 @@ import sys
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from meshes.by_gmsh.ring import RingShape, ring_triangles
 from meshes.errors import GeometryError, MeshError
@@ -24,6 +25,26 @@ SEAT_Z = np.linspace(-2.0, 2.0, 9)
 @pytest.fixture(scope="module")
 def ringed(one_convolution: BellowsShape) -> SolidMesh:
     return meridian_mesh(one_convolution, default_resolution(one_convolution), RING)
+
+
+def test_no_two_nodes_are_at_one_place_however_coordinates_round(boundary_of) -> None:
+    # A ring that drawn inputs found: on r4 a midside node's z ends in ...4375, a tie in the sixth digit. It became two
+    # nodes, whose edges ended in a segmentation fault.
+    shape = BellowsShape(
+        root_radius_mm=4.73,
+        crest_radius_mm=9.781,
+        wall_mm=1.0,
+        half_pitch_mm=2.923,
+        convolutions=1,
+        collar_mm=2.918,
+        cap_mm=0.0,
+        fillet_mm=0.464,
+        seat_mm=1.99,
+    )
+    mesh = meridian_mesh(shape, default_resolution(shape, 4), RingShape(1.0, 0.2))
+    assert cKDTree(mesh.points).query_pairs(1e-6) == set()
+    named = mesh.facets[np.lexsort(mesh.facets.T[::-1])]
+    assert np.array_equal(named, boundary_of(mesh.cells, 2))
 
 
 def ring_volume(seat_radius: float, width: float, ring: RingShape) -> float:
