@@ -117,6 +117,23 @@ def interpolation(mesh: SolidMesh, at: FloatArray) -> tuple[IntArray, FloatArray
 
     Parameters
     ----------
+    mesh, at
+        As for `cells_at`.
+
+    Returns
+    -------
+    nodes, weights
+        Nodes of the cell that each place is in, and their weights there, shape (p, nodes of a cell) both.
+    """
+    cells, reference = cells_at(mesh, at)
+    return mesh.cells[cells], mesh.cell.shape(reference)[0]
+
+
+def cells_at(mesh: SolidMesh, at: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Which cells of a meridian places of its strip are in; between cells, one of them.
+
+    Parameters
+    ----------
     mesh
         A meridian with strip coordinates.
     at
@@ -124,37 +141,35 @@ def interpolation(mesh: SolidMesh, at: FloatArray) -> tuple[IntArray, FloatArray
 
     Returns
     -------
-    nodes, weights
-        Nodes of the cell that each place is in, and their weights there, shape (p, nodes of a cell) both.
+    cells, reference
+        Numbers of the cells, shape (p,), and the places in their reference cells, shape (p, 2).
 
     Raises
     ------
     MeshError
         If a place is in no cell.
     """
-    cells = mesh.cells[(mesh.cells < len(mesh.strip)).all(axis=1)]  # not those of meshed rings
-    first = np.floor(mesh.strip[cells].mean(axis=1)[:, 0])  # no cell reaches beyond an interval of the coarsest level
-    nodes, weights = np.full((len(at), cells.shape[1]), -1), np.zeros((len(at), cells.shape[1]))
+    in_wall = np.flatnonzero((mesh.cells < len(mesh.strip)).all(axis=1))  # not those of meshed rings
+    corners = mesh.strip[mesh.cells[in_wall]]
+    first = np.floor(corners.mean(axis=1)[:, 0])  # no cell reaches beyond an interval of the coarsest level
+    cells, found = np.full(len(at), -1), np.zeros((len(at), 2))
     for interval in np.unique(first):
-        places = np.flatnonzero((at[:, 0] >= interval) & (at[:, 0] <= interval + 1.0) & (nodes[:, 0] < 0))
-        own = cells[first == interval]
-        corners = mesh.strip[own]
-        low, high = corners.min(axis=1) - _NEAR, corners.max(axis=1) + _NEAR
-        in_box = ((at[places, None] >= low) & (at[places, None] <= high)).all(axis=2)
-        place, cell = np.nonzero(in_box)
+        places = np.flatnonzero((at[:, 0] >= interval) & (at[:, 0] <= interval + 1.0) & (cells < 0))
+        own = np.flatnonzero(first == interval)
+        low, high = corners[own].min(axis=1) - _NEAR, corners[own].max(axis=1) + _NEAR
+        place, cell = np.nonzero(((at[places, None] >= low) & (at[places, None] <= high)).all(axis=2))
+        place, cell = places[place], own[cell]
         reference = np.tile(mesh.cell.rule[0].mean(axis=0), (len(place), 1))
         for _ in range(_NEWTON_STEPS):
             value, slope = mesh.cell.shape(reference)
-            away = at[places[place]] - np.einsum("pk,pkd->pd", value, corners[cell])
-            reference = (
-                reference + np.linalg.solve(np.einsum("pkd,pkr->pdr", corners[cell], slope), away[..., None])[..., 0]
-            )
+            away = at[place] - np.einsum("pk,pkd->pd", value, corners[cell])
+            matrix = np.einsum("pkd,pkr->pdr", corners[cell], slope)
+            reference = reference + np.linalg.solve(matrix, away[..., None])[..., 0]
         inside = (reference > -_NEAR).all(axis=1) & (reference < 1.0 + _NEAR).all(axis=1)
         if mesh.cell.name == "triangle":
             inside &= reference.sum(axis=1) < 1.0 + _NEAR
-        hit = places[place[inside]]
-        nodes[hit], weights[hit] = own[cell[inside]], mesh.cell.shape(reference[inside])[0]
-    if (nodes < 0).any():
-        s, t = at[np.flatnonzero(nodes[:, 0] < 0)[0]]
+        cells[place[inside]], found[place[inside]] = in_wall[cell[inside]], reference[inside]
+    if (cells < 0).any():
+        s, t = at[np.flatnonzero(cells < 0)[0]]
         raise MeshError(f"no cell of the meridian's strip is at s = {s:g}, t = {t:g}")
-    return nodes, weights
+    return cells, found

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from meshes.cells import CellKind
-from meshes.corners import cut_corners, divided, interpolation, number_nodes, strip_cells
+from meshes.corners import cells_at, cut_corners, divided, interpolation, number_nodes, strip_cells
 from meshes.eccentric import shift_core
 from meshes.errors import MeshError
 from meshes.gaps import outlines
@@ -125,7 +125,10 @@ def test_places_within_cells_are_read_off_exactly(one_convolution: BellowsShape,
     def linear(at: np.ndarray) -> np.ndarray:
         return np.asarray(2.0 * at[:, 0] - 7.0 * at[:, 1] + 0.5)
 
+    cells, reference = cells_at(mesh, finer.strip)
+    assert reference.min() > -1e-9 and reference.max() < 1.0 + 1e-9
     nodes, weights = interpolation(mesh, finer.strip)
+    assert np.array_equal(mesh.cells[cells], nodes)
     found = np.einsum("pk,pk->p", weights, linear(mesh.strip)[nodes])
     assert found == pytest.approx(linear(finer.strip), abs=1e-9)  # what Newton's last step leaves
     # positions: arcs of cells on r1 against those on r4, parabolas in 45 degrees
