@@ -2,7 +2,7 @@
 
 The wall and the cap are one band of stations along the outline, each with layers from the cavity side to the
 outside. Towards the edges of the seats, where a rigid bond ends and the solution is singular, its cells may be cut into
-smaller ones (`meshes.corners`). The band's nine-node quadrilaterals are kept, or split along one diagonal into
+smaller ones (`meshes.strip.corners`). The band's nine-node quadrilaterals are kept, or split along one diagonal into
 triangles. Meshed rings are triangulated by gmsh and joined node to node.
 """
 
@@ -19,11 +19,11 @@ from scipy.spatial import cKDTree
 from meshes.bellows import FloatArray, cap_band, check_shape, corner_band, wall_segments
 from meshes.by_gmsh.ring import RingShape, ring_triangles
 from meshes.cells import QUADRILATERAL_NODES, CellKind
-from meshes.corners import number_nodes, strip_cells
 from meshes.errors import GeometryError, MeshError
 from meshes.quality import jacobians
 from meshes.shape import BellowsShape
 from meshes.solid import FACETS, REGIONS, TRIANGLE_EDGES, IntArray, SolidMesh
+from meshes.strip.corners import number_nodes, strip_cells
 
 # Nodes closer than this are one; those of a mesh are farther apart than a micrometre.
 _SAME_NODE_MM = 1e-6

@@ -60,8 +60,8 @@ class SolidMesh:
     meridian_weight
         Shape (n, 3): weights of these three; empty where ``meridian_node`` has one column.
     strip
-        Of a meridian cut from a strip: coordinates (s, t) of its nodes there, see `meshes.corners`, shape (n, 2); nodes
-        of meshed rings, which come last, have none.
+        Of a meridian cut from a strip: coordinates (s, t) of its nodes there, see `meshes.strip.corners`, shape (n, 2);
+        nodes of meshed rings, which come last, have none.
     volumes
         Of a user's mesh: each region number, with the names of the physical volumes that the region is in.
     rigid

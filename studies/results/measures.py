@@ -31,9 +31,9 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from meshes.cells import CellKind, CellShape
-from meshes.corners import interpolation
 from meshes.meridian import Band, bellows_band, default_resolution
 from meshes.solid import REGIONS, FloatArray, IntArray
+from meshes.strip.places import interpolation
 from solvers.state import State
 from studies.scene.bellows import BellowsScene, in_hexahedra, shape_of
 from studies.scene.meshes import scene_meridian

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from meshes.cells import CellKind
-from meshes.corners import cells_at, cut_corners, divided, interpolation, number_nodes, strip_cells
 from meshes.eccentric import shift_core
 from meshes.errors import MeshError
 from meshes.gaps import outlines
@@ -18,6 +17,8 @@ from meshes.quality import jacobians, region_volumes_mm3
 from meshes.revolve import revolve
 from meshes.shape import BellowsShape
 from meshes.solid import FACETS, SolidMesh
+from meshes.strip.corners import cut_corners, divided, number_nodes, strip_cells
+from meshes.strip.places import cells_at, interpolation
 from meshes.sweep import revolve_hexahedra
 
 KINDS = pytest.mark.parametrize("kind", ["triangles", "quadrilaterals"])
