@@ -71,7 +71,13 @@ def asked_of(scene: Scene, rows: Sequence[Row], model: str, level: str) -> tuple
 
 
 def shortfalls(scene: Scene, rows: Sequence[Row], model: str, level: str) -> tuple[Shortfall, ...]:
-    """Requested values of a mesh that do not hold the scene's tolerance, as far as anybody knows."""
+    """Requested values of a mesh that do not hold the scene's tolerance, as far as anybody knows.
+
+    A user's mesh that is too large to be halved holds none; other bodies have one mesh only where a caller wants it so.
+    """
+    alone = len({row.level for row in rows if row.model == model}) < 2
+    if alone and isinstance(scene, BodyScene) and not isinstance(scene.geometry, MeshGeometry):
+        return ()
     asked = asked_of(scene, rows, model, level)
     percents = [(row, _percent(row, [r for r in asked if r.quantity == row.quantity])) for row in asked]
     tolerance = scene.ask.tolerance_percent

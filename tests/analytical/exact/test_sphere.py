@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ from analytical.exact.sphere import (
     radial_displacement_mm,
     stored_energy_mj,
 )
-from analytical.laws.isotropic import Law, NeoHooke, Ogden, Yeoh
+from analytical.laws.isotropic import Guccione, Law, NeoHooke, Ogden, Yeoh
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from tests.analytical.cases import THREE_LAWS, derivative, each_of_three_laws
 
@@ -179,6 +180,14 @@ def test_no_false_limit_points(law: Law, ratio: float) -> None:
     assert limit_point(sphere, law) is None
     pressures = [pressure_at_inner_radius_mpa(sphere, law, 5.0 * s) for s in np.geomspace(1.0, 50.0, 100)]
     assert (np.diff(pressures) > 0.0).all()
+
+
+def test_a_law_that_overflows_on_the_way_has_no_limit_point_there() -> None:
+    # exp(b E:E) is beyond the largest number at a stretch of 6.2 already; limit points are sought up to 50. A drawn
+    # input had the warning of it on its terminal.
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert limit_point(Sphere(1.08, 1.1518), Guccione(0.0204)) is None
 
 
 def test_pressure_beyond_the_limit_point_is_refused() -> None:

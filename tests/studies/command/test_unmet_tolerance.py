@@ -166,8 +166,9 @@ def test_users_meshes_are_not_spared_either(scene, tmp_path, monkeypatch) -> Non
 def test_one_mesh_tells_no_error_and_that_is_said(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(bodies, "USER_LEVELS", ("m1",))
     result = run("solve", EXACT / "mesh.toml", "--out", tmp_path / "out")
-    assert result.exit_code == 0, result.output
-    assert "tolerance 1 %: cannot be told from one mesh" in result.stdout
+    assert result.exit_code == 3, result.output
+    said = " ".join(result.stderr.split())
+    assert "tolerance 1 % not met" in said and "no second mesh confirms it" in said and "give a coarser mesh" in said
 
 
 @pytest.mark.usefixtures("no_finer")
