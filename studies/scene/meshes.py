@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from meshes.cells import CellKind
 from meshes.eccentric import shift_core
 from meshes.errors import GeometryError
@@ -13,6 +15,9 @@ from studies.scene.bellows import BellowsScene, in_hexahedra, ring_shape, shape_
 
 # Sectors of one: the quarter, whose faces are the planes x = 0 and y = 0, held by components.
 SECTORS = {"full3d": 1, "sector": 4}
+# How often cells at a seat's edge are cut, by the thickest wall, mm; triangles, of which there are more through a wall,
+# once less. Thicker walls are off by the rest of their mesh (docs/decisions.md, "Edges of the seats").
+EDGE_CUTS = ((1.0, 2), (1.5, 1))
 
 
 def cell_kind(scene: BellowsScene) -> CellKind:
@@ -21,8 +26,18 @@ def cell_kind(scene: BellowsScene) -> CellKind:
 
 
 def scene_resolution(scene: BellowsScene, refinement: int) -> Resolution:
-    """Numbers of cells of the meridian at a refinement."""
-    return default_resolution(shape_of(scene), refinement, cell_kind(scene))
+    """Numbers of cells of the meridian at a refinement; small ones at the edges of the seats of rigid rings."""
+    kind = cell_kind(scene)
+    return replace(default_resolution(shape_of(scene), refinement, kind), edge_cuts=edge_cuts(scene, kind))
+
+
+def edge_cuts(scene: BellowsScene, kind: CellKind) -> int:
+    """How often cells at the seats' edges are cut: not with meshed rings, nor on adhesive that does not fade out."""
+    rings, wall = scene.rings, scene.geometry.wall_mm
+    if rings.model != "rigid" or (rings.bond == "adhesive" and rings.bond_grading_mm == 0.0):
+        return 0
+    cuts = next((cuts for thickest, cuts in EDGE_CUTS if wall <= thickest), 0)
+    return max(0, cuts - (kind == "triangles"))
 
 
 def scene_meridian(scene: BellowsScene, refinement: int) -> SolidMesh:
