@@ -220,6 +220,7 @@ class Follower:
             place = place_of_pressure(near, walk.control, start, end, pressure, self.scale)
             guess = extrapolate(near, walk.control, place, self.scale)
             found.insert(0, self.solve(Aim("pressure", pressure, aim.size, True, guess), walk))
+            around.insert(beyond, point_of(found[0]))
         # a step that went beyond the last asked pressure is not part of the answer
         return found[:-1] if walk.reached + len(passed) == len(self.targets) else found
 
