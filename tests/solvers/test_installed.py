@@ -26,7 +26,7 @@ def alone(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("alone")
 def test_version_without_looking_through_all_that_is_installed() -> None:
     stand_in()
-    import pkg_resources
+    import pkg_resources  # type: ignore[import-untyped]
 
     assert pkg_resources.get_distribution("numpy").version == metadata.version("numpy")
     assert isinstance(sys.modules[NAME], _Installed)

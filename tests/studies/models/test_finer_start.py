@@ -168,7 +168,7 @@ def test_path_is_followed_whole_and_says_why_where_the_start_fails(
             def one_more(item):
                 on_state(dataclasses.replace(item, newton=dataclasses.replace(item.newton, excess_negatives=1)))
 
-            return follow(*arguments, on_state=one_more, **options)
+            return follow(*arguments, **{**options, "on_state": one_more})
 
         monkeypatch.setattr(start, "follow_guesses", with_a_mode)
     if fault == "another mesh":
