@@ -26,7 +26,7 @@ class _Installed(ModuleType):
     def __getattr__(self, name: str) -> Any:
         if sys.modules.get(NAME) is self:
             del sys.modules[NAME]
-        return getattr(importlib.import_module(NAME), name)
+        return getattr(importlib.import_module("pkg_resources"), name)
 
 
 def stand_in() -> None:

@@ -81,7 +81,7 @@ class NewtonReport:
         dV/dP of the path at the converged state.
     rate
         Change of the state with the load factor along the path, 1/MPa; None where bodies have turned, whose rotations
-        do not add up.
+        do not add up, and with contact, which makes paths that are not smooth.
     """
 
     iterations: int
@@ -193,10 +193,10 @@ def _converges(settings: NewtonSettings, error: float, new_error: float) -> bool
 
 
 def _rate(problem: Problem, toward: Joint) -> State | None:
-    """A change with the load factor in the caller's numbering, where rotations add up."""
+    """A change with the load factor in the caller's numbering, where it can be gone along: see `NewtonReport.rate`."""
     bonded = problem.bonded
     turns = 0.0 if bonded is None else float(np.abs(bonded.values[:, 3:]).max(initial=0.0)) / bonded.arm_mm
-    return problem.unknowns.rate(*toward) if turns <= TURNED else None
+    return problem.unknowns.rate(*toward) if turns <= TURNED and problem.contact is None else None
 
 
 def _increment(problem: Problem, factor: Factor, control: Control, here: _Residual) -> _Increment:

@@ -42,7 +42,12 @@ def _weights(nodes: Sequence[float], known: Sequence[bool], at: float) -> tuple[
 
 
 def _slopes(last: Sequence[PathPoint], control: ControlName) -> list[float]:
-    """Change of the load factor with the coordinate at each state, MPa/mm^3 or 1; NaN where that is not known."""
+    """Change of the load factor with the coordinate at each state, MPa/mm^3 or 1; NaN where that is not known.
+
+    None are told where the last state has none: what was smooth before contact says nothing of what comes after.
+    """
+    if last[-1].rate is None:
+        return [math.nan] * len(last)
     by_coordinate = {"volume": lambda p: p.slope_mpa_per_mm3, "pressure": lambda p: 1.0, "arc": lambda p: math.nan}
     return [by_coordinate[control](p) if p.rate is not None else math.nan for p in last]
 
