@@ -86,6 +86,8 @@ def follow_from(
     """
     states = None if coarser is None or isinstance(log.memory, PathMemory) else log.comm.bcast(_read(coarser, log))
     if coarser is None or states is None:
+        if isinstance(log.memory, GuessMemory):  # its checkpoint is from when there was a coarser run
+            log.start_anew(_path_notes(log))
         return whole()
 
     def take(item: PathState) -> None:
@@ -115,8 +117,13 @@ def follow_from(
         why = str(difference)
     if not why:
         return path
-    log.start_anew([note for note in log.notes if not note.startswith(STARTED)] + [f"{NOT_STARTED}{why}"])
+    log.start_anew([*_path_notes(log), f"{NOT_STARTED}{why}"])
     return whole()
+
+
+def _path_notes(log: Log) -> list[str]:
+    """Notes of a run that follows its path."""
+    return [note for note in log.notes if not note.startswith(STARTED)]
 
 
 def _read(coarser: Coarser, log: Log) -> list[State] | None:

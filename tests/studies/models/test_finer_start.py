@@ -13,12 +13,14 @@ from mpi4py import MPI
 from meshes.bodies import block, sphere_meridian, tube_meridian
 from meshes.errors import MeshError
 from meshes.solid import SolidMesh
+from solvers.paths.states import GuessMemory
 from solvers.state import State
 from studies.models.axisymmetric import run_axisymmetric
 from studies.models.body import run_simple_body
 from studies.models.finer.location import locate, place_in
 from studies.models.finer.prolongation import Prolongation, linear_shape
 from studies.models.finer.start import NOT_STARTED, STARTED, Coarser
+from studies.models.run_log import CHECKPOINT_FILE, Log
 from studies.progress import Progress
 from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene
@@ -179,6 +181,34 @@ def test_path_is_followed_whole_and_says_why_where_the_start_fails(
     assert notes(run)[0].startswith(NOT_STARTED) and said[fault] in notes(run)[0]
     assert [row.status for row in run.path].count("requested") == 2 and len(run.path) > 2
     assert all(math.isfinite(row.tip_mm) for row in run.path)
+
+
+def test_interrupted_run_goes_on_from_its_states_or_anew_without_the_coarser(
+    scene: BellowsScene, coarser: Coarser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = bellows_run(scene, 2, tmp_path / "whole", coarser)
+
+    def stopped(name: str) -> Path:
+        with monkeypatch.context() as patch:
+            step = Log.step
+
+            def once(self: Log, memory: GuessMemory) -> None:
+                step(self, memory)
+                raise KeyboardInterrupt
+
+            patch.setattr(Log, "step", once)
+            with pytest.raises(KeyboardInterrupt):
+                bellows_run(scene, 2, tmp_path / name, coarser)
+        assert (tmp_path / name / "r2" / CHECKPOINT_FILE).exists()
+        return tmp_path / name
+
+    run = bellows_run(scene, 2, stopped("on"), coarser)
+    assert [row.pressure_kpa for row in run.path] == [row.pressure_kpa for row in whole.path]
+    assert [row.tip_mm for row in run.path] == pytest.approx([row.tip_mm for row in whole.path], rel=1e-9)
+    assert run.summary.factorisations == whole.summary.factorisations and notes(run) == notes(whole)
+    anew = bellows_run(scene, 2, stopped("anew"))
+    loads = [row.pressure_kpa for row in anew.path]
+    assert notes(anew) == [] and loads == sorted(set(loads)) and len(loads) > len(run.path)
 
 
 @pytest.mark.parametrize("model", ["axisymmetric", "sector"])
