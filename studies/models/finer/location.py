@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,14 +12,16 @@ from meshes.cells import CellShape
 from meshes.errors import MeshError
 from meshes.solid import FloatArray, IntArray, SolidMesh
 
-# A point is looked for in all cells at so many of the closest nodes.
-NEAREST = 8
+# A point is looked for in all cells at so many of the closest nodes first.
+NEAREST = 2
 # Newton's method for a place in a reference cell: its most iterations, when it has settled, and how far it may go.
 ITERATIONS, SETTLED, FARTHEST = 20, 1e-10, 2.0
 # A point may lie outside of the closest cell by this share of it: curved edges of two meshes are not the same curve.
 OUTSIDE = 0.25
 # One that is further outside than this is looked for in every cell that may have it.
 DOUBTFUL = 0.01
+# Pairs of a point and a box that are looked at together: 100 MB.
+AT_ONCE = 10_000_000
 
 
 @dataclass(frozen=True)
@@ -98,9 +101,12 @@ def _around(mesh: SolidMesh, points: FloatArray, known: IntArray) -> IntArray:
     corners = mesh.points[mesh.cells]
     low, high = corners.min(axis=1), corners.max(axis=1)
     margin = OUTSIDE * (high - low).max(axis=1, keepdims=True)
-    inside = ((points[:, None] >= low - margin) & (points[:, None] <= high + margin)).all(axis=2)
-    inside[np.arange(len(points)), known] = True
-    return np.argwhere(inside)
+    found = [np.column_stack([np.arange(len(points)), known])]
+    for some in np.array_split(np.arange(len(points)), math.ceil(len(points) * len(low) / AT_ONCE)):
+        at = points[some, None]
+        pairs = np.argwhere(((at >= low - margin) & (at <= high + margin)).all(axis=2))
+        found.append(np.column_stack([some[pairs[:, 0]], pairs[:, 1]]))
+    return np.unique(np.vstack(found), axis=0)
 
 
 def _near(mesh: SolidMesh, points: FloatArray) -> IntArray:
