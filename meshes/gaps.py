@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from meshes.solid import FACETS, FloatArray, IntArray, SolidMesh
 
@@ -87,6 +86,8 @@ def smallest_gap(outline: Outline, points: FloatArray, depth_mm: float, reach_mm
     reach_mm
         Gaps wider than this are not looked for.
     """
+    from scipy.spatial import cKDTree  # takes a tenth of a second to import, which plans would pay too
+
     line = points[outline.nodes]
     tangent = np.gradient(line, axis=0)
     normal = outline.side * np.column_stack([-tangent[:, 1], tangent[:, 0]])

@@ -97,7 +97,7 @@ def iteration_costs(scene: BellowsScene, around: int, comm: MPI.Comm) -> Numbers
         start = time.perf_counter()
         problem.set_state(here)
         # never a factor twice: so many tangents, factorisations, solves as iterations, and once more for the count
-        settings = NewtonSettings(reuse_below=0.0)
+        settings = NewtonSettings(reuse_below=0.0, reuse_for=0.0)
         solve_equilibrium(problem, factor, settings, HeldLoad(1.01 * here.load_mpa))
         iterations.append((time.perf_counter() - start, factor.count - counts))
         counts = factor.count

@@ -214,6 +214,12 @@ class Log:
         for name in (STATES_FOLDER, FIELDS_FOLDER):
             shutil.rmtree(self.job.folder / name, ignore_errors=True)
 
+    def start_anew(self, notes: Sequence[str]) -> None:
+        """Drop the states so far, which turned out not to be those wanted; only the work they took still counts."""
+        if self.comm.rank == 0:
+            self._clear()
+        self.rows, self.memory, self.notes = [], None, list(notes)
+
     def change_solver(self, make: Callable[[Problem], Factor]) -> None:
         """Go on with another solver; what the last one made counts, and its memory is freed first."""
         self._factorisations += self.factor.count

@@ -106,6 +106,15 @@ def of_model(runs: Sequence[Run], model: str) -> tuple[Run, ...]:
     return tuple(run for run in runs if run.summary.model == model)
 
 
+def followed(runs: Sequence[Run]) -> tuple[Run, ...]:
+    """The finest run whose path was followed, with states between the requested loads; without one the finest; or none.
+
+    Finer runs start from its states at the requested loads.
+    """
+    between = [run for run in runs if any(row.status == "step" for row in run.path)]
+    return tuple((between or list(runs))[-1:])
+
+
 def value_status(run: Run, load_kpa: float, value: float, digits: str = ".2f") -> str:
     """``reached``, and beyond which limit point; or where and why the run stopped, or had no state, before."""
     if math.isnan(value):
