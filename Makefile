@@ -231,6 +231,10 @@ study-closed-form: check ## chains, corrections, validity, laws and exact soluti
 benchmark-closed-form: check ## evaluations of the closed form per second, one core -> results/benchmark-closed-form
 	OPENBLAS_NUM_THREADS=1 $(PY) -m studies study benchmark-closed-form --out results/benchmark-closed-form
 
+.PHONY: benchmark-start
+benchmark-start: check ## CPU seconds until a plan is printed and until a solve begins -> results/benchmark-start
+	$(PY) -m studies study benchmark-start --out results/benchmark-start
+
 .PHONY: benchmark-solver
 benchmark-solver: check ## cost of tangent, factor, iteration, warm and cold start; NP ranks -> results/benchmark-solver
 	$(LAUNCH) -m studies study benchmark-solver --out results/benchmark-solver

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from meshes.solid import FACETS, FloatArray, IntArray, SolidMesh
 
@@ -87,6 +86,8 @@ def smallest_gap(outline: Outline, points: FloatArray, depth_mm: float, reach_mm
     reach_mm
         Gaps wider than this are not looked for.
     """
+    from scipy.spatial import cKDTree  # takes a tenth of a second to import, which plans would pay too
+
     line = points[outline.nodes]
     tangent = np.gradient(line, axis=0)
     normal = outline.side * np.column_stack([-tangent[:, 1], tangent[:, 0]])
@@ -134,6 +135,8 @@ def smallest_gap_to_ring(points: FloatArray, ring: FloatArray) -> Gap:
     if not len(points):
         return NO_GAP
     start, step = ring, np.roll(ring, -1, axis=0) - ring
+    long = step.any(axis=1)  # a ring that is rounded over its whole height has two corners in one
+    start, step = start[long], step[long]
     between = points[:, None] - start[None]
     share = np.clip(np.einsum("mkd,kd->mk", between, step) / np.einsum("kd,kd->k", step, step), 0.0, 1.0)
     distance = np.linalg.norm(between - share[..., None] * step, axis=-1).min(axis=1)

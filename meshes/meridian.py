@@ -1,15 +1,17 @@
 """The meridian mesh of a bellows: a structured band of curved quadratic cells, plus rings.
 
 The wall and the cap are one band of stations along the outline, each with layers from the cavity side to the
-outside. The band's nine-node quadrilaterals are kept, or split along one diagonal into triangles: both meshes share
-all nodes. Meshed rings are triangulated by gmsh and joined node to node.
+outside. Towards the edges of the seats, where a rigid bond ends and the solution is singular, its cells may be cut into
+smaller ones (`meshes.strip.corners`). The band's nine-node quadrilaterals are kept, or split along one diagonal into
+triangles. Meshed rings are triangulated by gmsh and joined node to node.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -21,6 +23,7 @@ from meshes.errors import GeometryError, MeshError
 from meshes.quality import jacobians
 from meshes.shape import BellowsShape
 from meshes.solid import FACETS, REGIONS, TRIANGLE_EDGES, IntArray, SolidMesh
+from meshes.strip.corners import number_nodes, strip_cells
 
 # Nodes closer than this are one; those of a mesh are farther apart than a micrometre.
 _SAME_NODE_MM = 1e-6
@@ -28,7 +31,7 @@ _SAME_NODE_MM = 1e-6
 
 @dataclass(frozen=True)
 class Resolution:
-    """How fine a meridian is; one level finer doubles every count, so that levels are nested.
+    """How fine a meridian is; one level finer cuts every cell into four, so that levels are nested.
 
     Attributes
     ----------
@@ -42,6 +45,8 @@ class Resolution:
         Cells along the flat part of the cap.
     refinement
         Factor on all counts: 1, 2, 4, ...
+    edge_cuts
+        How often the cells at the edges of the seats are cut, each time to half their size, before all are divided.
     """
 
     through: int
@@ -49,6 +54,7 @@ class Resolution:
     arc_rad: float = math.pi / 6
     cap_cells: int = 4
     refinement: int = 1
+    edge_cuts: int = 0
 
 
 def default_resolution(shape: BellowsShape, refinement: int = 1, cells: CellKind = "triangles") -> Resolution:
@@ -69,6 +75,40 @@ def default_resolution(shape: BellowsShape, refinement: int = 1, cells: CellKind
 
 
 @dataclass(frozen=True)
+class Stretch:
+    """A smooth part of the band.
+
+    Attributes
+    ----------
+    kind, index
+        What it is, and the number of the crest or root it belongs to.
+    intervals
+        Into how many it is cut on the coarsest level.
+    band
+        Its two sides, (m, 2) each, at fractions (m,) of it.
+    """
+
+    kind: str
+    index: int
+    intervals: int
+    band: Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+
+
+def stretches(shape: BellowsShape, resolution: Resolution) -> tuple[Stretch, ...]:
+    """The whole band from the clamped end to the axis of the cap, or to the open end."""
+    found = []
+    for piece in wall_segments(shape):
+        by_length = math.ceil(piece.length_mm / resolution.cell_mm - 1e-9)
+        by_angle = math.ceil(piece.angle_rad / resolution.arc_rad - 1e-9)
+        count = by_angle if piece.angle_rad > 0.0 else by_length
+        found.append(Stretch(piece.kind, piece.index, max(1, count), piece.band))
+    if shape.has_cap:
+        found.append(Stretch("corner", shape.convolutions, 4, partial(corner_band, shape)))
+        found.append(Stretch("cap", shape.convolutions, resolution.cap_cells, partial(cap_band, shape)))
+    return tuple(found)
+
+
+@dataclass(frozen=True)
 class Band:
     """Stations along the outline (with mid-stations) and what each interval between them is.
 
@@ -82,34 +122,38 @@ class Band:
 
 
 def bellows_band(shape: BellowsShape, resolution: Resolution) -> Band:
-    """Stations of the whole band from the clamped end to the axis of the cap, or to the open end."""
-    inner: list[FloatArray] = []
-    outer: list[FloatArray] = []
-    kinds: list[str] = []
-    index: list[int] = []
+    """Stations of the whole band; those of cells cut towards an edge are not among them."""
+    parts, factor = stretches(shape, resolution), resolution.refinement
+    counts = [part.intervals * factor for part in parts]
+    sides = _sides(parts, np.arange(2 * sum(counts) + 1) / (2.0 * factor))
+    kinds = [part.kind for part, count in zip(parts, counts, strict=True) for _ in range(count)]
+    index = [part.index for part, count in zip(parts, counts, strict=True) for _ in range(count)]
+    return Band(*sides, tuple(kinds), tuple(index))
 
-    def add(kind: str, count: int, number: int, band: Callable[[FloatArray], tuple[FloatArray, FloatArray]]) -> None:
-        first = 1 if inner else 0  # neighbours share their end station
-        fraction = np.linspace(0.0, 1.0, 2 * count + 1)[first:]
-        side_in, side_out = band(fraction)
-        inner.append(side_in)
-        outer.append(side_out)
-        kinds.extend([kind] * count)
-        index.extend([number] * count)
 
-    factor = resolution.refinement
-    for piece in wall_segments(shape):
-        by_length = math.ceil(piece.length_mm / resolution.cell_mm - 1e-9)
-        by_angle = math.ceil(piece.angle_rad / resolution.arc_rad - 1e-9)
-        count = by_angle if piece.angle_rad > 0.0 else by_length
-        add(piece.kind, max(1, count) * factor, piece.index, piece.band)
-    if shape.has_cap:
-        add("corner", 4 * factor, shape.convolutions, lambda s: corner_band(shape, s))
-        add("cap", resolution.cap_cells * factor, shape.convolutions, lambda s: cap_band(shape, s))
-    inner_all, outer_all = np.vstack(inner), np.vstack(outer)
-    if shape.has_cap:
-        inner_all[-1, 0] = outer_all[-1, 0] = 0.0  # exactly on the axis: revolved nodes there must coincide
-    return Band(inner_all, outer_all, tuple(kinds), tuple(index))
+def _starts(parts: Sequence[Stretch]) -> IntArray:
+    """Strip coordinate at which each stretch begins, and that of the end."""
+    return np.concatenate([[0], np.cumsum([part.intervals for part in parts])])
+
+
+def _sides(parts: Sequence[Stretch], s: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Points on both sides, (m, 2) each, at strip coordinates (m,); where stretches meet, those of the first."""
+    starts = _starts(parts)
+    own = np.maximum(np.searchsorted(starts, s, side="left") - 1, 0)
+    inner, outer = np.empty((len(s), 2)), np.empty((len(s), 2))
+    for k, part in enumerate(parts):
+        here = own == k
+        inner[here], outer[here] = part.band((s[here] - starts[k]) / part.intervals)
+    if parts[-1].kind == "cap":
+        end = s == starts[-1]
+        inner[end, 0] = outer[end, 0] = 0.0  # exactly on the axis: revolved nodes there must coincide
+    return inner, outer
+
+
+def seat_edges(parts: Sequence[Stretch], layers: int) -> list[tuple[int, int]]:
+    """Strip coordinates of the ends of the seats, which lie on the outside."""
+    on_seat = np.array([part.kind == "seat" for part in parts])
+    return [(int(s), layers) for s in _starts(parts)[1:-1][on_seat[1:] != on_seat[:-1]]]
 
 
 def split_quadrilaterals(quads: IntArray, corner_nodes: IntArray, points: FloatArray) -> tuple[IntArray, IntArray]:
@@ -181,68 +225,92 @@ def meridian_mesh(
     check_shape(shape)
     if ring is not None and cells != "triangles":
         raise GeometryError("meshed rings need a mesh of triangles: their section is not structured")
-    band = bellows_band(shape, resolution)
-    layers = 2 * resolution.through * resolution.refinement + 1
-    stations = len(band.inner)
-    weight = np.linspace(0.0, 1.0, layers)[None, :, None]
-    lattice = (1.0 - weight) * band.inner[:, None, :] + weight * band.outer[:, None, :]
-    points = np.asarray(lattice, dtype=np.float64).reshape(-1, 2)
-    points[np.abs(points[:, 0]) < 1e-12, 0] = 0.0
-    node = np.arange(stations * layers).reshape(stations, layers)
-
-    quads = np.stack(
-        [node[i : stations - 2 + i : 2, j : layers - 2 + j : 2] for i in range(3) for j in range(3)], axis=-1
-    ).reshape(-1, 9)
-    rows = layers // 2  # quadrilaterals through the wall
-    kinds = np.array(band.kinds)
-    quad_regions = np.where(np.isin(kinds, ("corner", "cap")), REGIONS["cap"], REGIONS["elastomer"])
-
-    regions = np.repeat(quad_regions, rows)
+    parts, through = stretches(shape, resolution), resolution.through
+    strip, quads = number_nodes(
+        strip_cells(
+            int(_starts(parts)[-1]),
+            through,
+            seat_edges(parts, through),
+            resolution.edge_cuts,
+            resolution.refinement,
+        )
+    )
+    points = _points(parts, through, strip)
+    on_cap = np.array([part.kind in ("corner", "cap") for part in parts])
+    stretch = np.searchsorted(_starts(parts), strip[quads[:, 4], 0]) - 1
+    regions = np.where(on_cap[stretch], REGIONS["cap"], REGIONS["elastomer"])
+    edges, tags, bodies = _band_edges(parts, through, shape, strip, quads, points)
     if cells == "triangles":
-        ends = node[[0, 0, -1, -1], [0, -1, 0, -1]]
-        nodes, parents = split_quadrilaterals(quads, ends, points)
+        ends = np.isin(strip[:, 0], strip[[0, -1], 0]) & np.isin(strip[:, 1], strip[[0, -1], 1])
+        nodes, parents = split_quadrilaterals(quads, np.flatnonzero(ends), points)
         regions = regions[parents]
+        strip[quads[:, 4]] = strip[_diagonals(nodes)].mean(axis=1)
+        points = _points(parts, through, strip)
     else:
         nodes = quads[:, 3 * QUADRILATERAL_NODES[:, 0] + QUADRILATERAL_NODES[:, 1]]
-
-    edges, tags, bodies = _band_edges(band, shape, node, points)
+    tip = len(points) - 1
     if ring is not None:
         points, nodes, regions, edges, tags, bodies = _join_rings(
             shape, ring, points, nodes, regions, edges, tags, bodies
         )
     _refuse_folded(points, nodes)
-    return SolidMesh(points, nodes, regions, np.sort(edges, axis=1), tags, bodies, int(node[-1, -1]))
+    return SolidMesh(points, nodes, regions, np.sort(edges, axis=1), tags, bodies, tip, strip=strip)
+
+
+def _points(parts: Sequence[Stretch], through: int, strip: FloatArray) -> FloatArray:
+    """Points (n, 2) at strip coordinates (n, 2)."""
+    inner, outer = _sides(parts, strip[:, 0])
+    weight = strip[:, 1:] / through
+    points = (1.0 - weight) * inner + weight * outer
+    points[np.abs(points[:, 0]) < 1e-12, 0] = 0.0
+    return points
+
+
+def _diagonals(triangles: IntArray) -> IntArray:
+    """Ends of the edge that the two triangles of each quadrilateral share, shape (m, 2)."""
+    one, other = np.moveaxis(triangles[:, :3].reshape(-1, 2, 3), 1, 0)
+    return one[(one[:, :, None] == other[:, None, :]).any(axis=2)].reshape(-1, 2)
 
 
 def _band_edges(
-    band: Band, shape: BellowsShape, node: IntArray, points: FloatArray
+    parts: Sequence[Stretch],
+    through: int,
+    shape: BellowsShape,
+    strip: FloatArray,
+    quads: IntArray,
+    points: FloatArray,
 ) -> tuple[IntArray, IntArray, IntArray]:
     """Boundary edges of the band: corner nodes (k, 2), surface numbers (k,), seat numbers (k,)."""
-    count = len(band.kinds)
-    starts, stops = node[0:-2:2], node[2::2]
-    cavity = np.column_stack([starts[:, 0], stops[:, 0]])
-    outside = np.column_stack([starts[:, -1], stops[:, -1]])
+    pairs = np.sort(np.vstack([quads[:, [0, 2]], quads[:, [6, 8]], quads[:, [0, 6]], quads[:, [2, 8]]]), axis=1)
+    starts = _starts(parts)
+
+    def on(axis: int, value: float) -> IntArray:
+        """Edges on one of the four sides of the strip, in order along it."""
+        found = pairs[(strip[pairs, axis] == value).all(axis=1)]
+        return found[np.argsort(found[:, 0])]
+
+    cavity, outside = on(1, 0.0), on(1, through)
+    clamped, last = on(0, 0.0), on(0, starts[-1])  # the last on the axis, or the annulus of an open end
     distal = np.isclose(points[outside][:, :, 1], shape.cavity_length_mm + shape.cap_mm).all(axis=1)
-    outside_tags = np.full(count, FACETS["outer"])
-    outside_bodies = np.full(count, -1)
-    for k, (kind, number) in enumerate(zip(band.kinds, band.index, strict=True)):
-        if kind == "seat":
-            outside_tags[k], outside_bodies[k] = FACETS["bond"], number
-        elif kind == "corner" and distal[k]:
+    outside_tags = np.full(len(outside), FACETS["outer"])
+    outside_bodies = np.full(len(outside), -1)
+    for k, at in enumerate(np.searchsorted(starts, strip[outside, 0].mean(axis=1)) - 1):
+        if parts[at].kind == "seat":
+            outside_tags[k], outside_bodies[k] = FACETS["bond"], parts[at].index
+        elif parts[at].kind == "corner" and distal[k]:
             outside_tags[k] = FACETS["tip"]
-    clamped = np.column_stack([node[0, 0:-2:2], node[0, 2::2]])
-    last = np.column_stack([node[-1, 0:-2:2], node[-1, 2::2]])  # on the axis, or the annulus of an open end
     edges = np.vstack([cavity, outside, clamped, last])
     tags = np.concatenate(
         [
-            np.full(count, FACETS["cavity"]),
+            np.full(len(cavity), FACETS["cavity"]),
             outside_tags,
             np.full(len(clamped), FACETS["clamped"]),
             np.full(len(last), FACETS["axis" if shape.has_cap else "tip"]),
         ]
     )
-    bodies = np.concatenate([np.full(count, -1), outside_bodies, np.full(len(clamped) + len(last), -1)])
-    return edges, tags, bodies
+    none = np.full(len(edges), -1)
+    none[len(cavity) : len(cavity) + len(outside)] = outside_bodies
+    return edges, tags, none
 
 
 def _join_rings(

@@ -59,6 +59,9 @@ class SolidMesh:
         Where a node lies between meridian nodes, ``meridian_node`` has shape (n, 3).
     meridian_weight
         Shape (n, 3): weights of these three; empty where ``meridian_node`` has one column.
+    strip
+        Of a meridian cut from a strip: coordinates (s, t) of its nodes there, see `meshes.strip.corners`, shape (n, 2);
+        nodes of meshed rings, which come last, have none.
     volumes
         Of a user's mesh: each region number, with the names of the physical volumes that the region is in.
     rigid
@@ -75,6 +78,7 @@ class SolidMesh:
     meridian_node: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     angle_rad: FloatArray = field(default_factory=lambda: np.empty(0))
     meridian_weight: FloatArray = field(default_factory=lambda: np.empty(0))
+    strip: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
     volumes: tuple[tuple[int, tuple[str, ...]], ...] = ()
     rigid: tuple[str, ...] = ()
 

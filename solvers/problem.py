@@ -7,6 +7,7 @@ elastic layer. The parts are in `solvers.assembly`.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import ufl
@@ -191,6 +192,11 @@ class Problem:
     def terms(self) -> tuple[Term, ...]:
         """What acts beside the solid and its load."""
         return tuple(term for term in (self.bonded, self.contact) if term is not None)
+
+    @property
+    def tangent_form(self) -> Any:
+        """The compiled tangent of solid, load and bond, without what the terms add to it."""
+        return self._tangent
 
     def new_matrix(self) -> PETSc.Mat:
         """Empty matrix with the pattern of the tangent."""

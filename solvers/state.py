@@ -7,10 +7,12 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from solvers.discrete.domain import FloatArray, IntArray
+if TYPE_CHECKING:  # dolfinx takes a third of a second to import, which what only reads results need not pay
+    from solvers.discrete.domain import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,7 @@ STUDIES: Mapping[str, str] = {
     "stacks": "studies.stacks.study",
     "benchmark-closed-form": "studies.closed_form.speed",
     "benchmark-solver": "studies.cost.solver_benchmark",
+    "benchmark-start": "studies.cost.start_benchmark",
 }
 
 

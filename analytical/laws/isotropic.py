@@ -228,8 +228,10 @@ class Guccione:
     def stress_difference(self, la: ArrayLike, lb: ArrayLike, lc: ArrayLike) -> FloatArray:
         """Cauchy sigma_a - sigma_b = C b exp(b E:E) (ea la^2 - eb lb^2), ea = (la^2 - 1)/2, MPa; arrays broadcast."""
         a2, b2 = np.asarray(la) ** 2, np.asarray(lb) ** 2
-        growth = np.exp(self._exponent(la, lb, lc))
-        return np.asarray(0.5 * self.c_mpa * self.b * growth * ((a2 - 1.0) * a2 - (b2 - 1.0) * b2))
+        # at a stretch of 6 the exponential is beyond the largest number: infinite, as far as anybody goes there
+        with np.errstate(over="ignore", invalid="ignore"):
+            growth = np.exp(self._exponent(la, lb, lc))
+            return np.asarray(0.5 * self.c_mpa * self.b * growth * ((a2 - 1.0) * a2 - (b2 - 1.0) * b2))
 
     def log_hessian_mpa(self, l1: ArrayLike, l2: ArrayLike, l3: ArrayLike) -> FloatArray:
         """Second derivatives of W with respect to the log stretches, MPa, shape (..., 3, 3)."""

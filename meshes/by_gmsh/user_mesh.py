@@ -17,7 +17,6 @@ from meshes.errors import MeshError
 from meshes.solid import SolidMesh
 from meshes.users.contents import read_contents
 from meshes.users.kinds import cells_of, in_own_order
-from meshes.users.one_body import check_flat_faces, check_one_body
 from meshes.users.orientation import oriented
 from meshes.users.surfaces import (
     SURFACES,
@@ -67,6 +66,11 @@ def read_user_mesh(path: Path, scale: float = 1.0) -> SolidMesh:
 @lru_cache(maxsize=4)
 def _checked(path: Path, scale: float, stamp: int) -> SolidMesh:
     """As `read_user_mesh`; a scene's mesh is asked for several times, and ``stamp`` tells when the file changed."""
+    from meshes.users.one_body import (  # SciPy's graphs and trees, for users' meshes only
+        check_flat_faces,
+        check_one_body,
+    )
+
     contents = read_contents(path)
     elements, cell = cells_of(contents)
     used, back = np.unique(elements.nodes, return_inverse=True)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from solvers import compat
+from solvers.assembly.places import places_in
 from solvers.assembly.supports import dofs_of_facets
 from solvers.discrete.domain import Domain, FloatArray, IntArray
 
@@ -42,29 +43,45 @@ def new_matrix(space: Any, extra: int, symmetric: bool, patterns: Iterable[scipy
     for more in patterns:
         pattern = pattern + more
     pattern.sort_indices()
-    csr = (pattern.indptr.astype(PETSc.IntType), pattern.indices.astype(PETSc.IntType), np.zeros(pattern.nnz))
+    indptr, indices = (of.astype(PETSc.IntType, copy=False) for of in (pattern.indptr, pattern.indices))
+    csr = (indptr, indices, np.zeros(pattern.nnz))
     matrix = PETSc.Mat().createAIJ(size=((rows, size), (rows, size)), csr=csr, comm=comm)
     local = np.arange(owned + index_map.num_ghosts, dtype=np.int32)
     names = np.concatenate([index_map.local_to_global(local), np.arange(total, size)])
     lgmap = PETSc.LGMap().create(names.astype(PETSc.IntType), comm=comm)
     matrix.setLGMap(lgmap, lgmap)
     matrix.setOption(PETSc.Mat.Option.SYMMETRIC, symmetric)
-    # Finding its place costs an entry more than computing it, and nine in ten entries of a facet's are zeros.
+    # What goes in by PETSc is looked up in its row, and nine in ten entries of a facet's are zeros.
     matrix.setOption(PETSc.Mat.Option.IGNORE_ZERO_ENTRIES, True)
     return matrix
 
 
 def assemble(
-    matrix: PETSc.Mat, form: Any, bcs: list[Any], space: Any, additions: Iterable[Callable[[PETSc.Mat], None]]
+    matrix: PETSc.Mat, form: Any, bcs: list[Any], space: Any, additions: Iterable[Callable[[PETSc.Mat], None]] = ()
 ) -> None:
-    """Assemble a compiled bilinear form with its Dirichlet conditions, and what is added to it, into a matrix."""
+    """Assemble a compiled bilinear form, and what is added to it, into a matrix of `new_matrix`.
+
+    Rows and columns of dofs that Dirichlet conditions hold are those of the identity.
+    """
     matrix.zeroEntries()
-    compat.assemble_into(matrix, form, bcs, space)
+    add_form(matrix, form, bcs, space)
+    _flush(matrix)
+    compat.insert_diagonal(matrix, bcs, space)
     for add_to in additions:
-        matrix.assemblyBegin(PETSc.Mat.AssemblyType.FLUSH)
-        matrix.assemblyEnd(PETSc.Mat.AssemblyType.FLUSH)
+        _flush(matrix)
         add_to(matrix)
     matrix.assemble()
+
+
+def add_form(matrix: PETSc.Mat, form: Any, bcs: list[Any], space: Any) -> None:
+    """Add a compiled bilinear form to an assembled matrix of `new_matrix`, nothing on dofs that conditions hold."""
+    places_in(matrix, space).add(matrix, form, compat.held_dofs(bcs, space))
+
+
+def _flush(matrix: PETSc.Mat) -> None:
+    """Values may be added after others were set, and the other way round, with this between."""
+    matrix.assemblyBegin(PETSc.Mat.AssemblyType.FLUSH)
+    matrix.assemblyEnd(PETSc.Mat.AssemblyType.FLUSH)
 
 
 def bonded_dofs(domain: Domain, space: Any, components: int, bodies: int) -> list[IntArray]:

@@ -157,7 +157,18 @@ class Unknowns:
 
     def get(self, load_mpa: float) -> State:
         """The current values under a load factor in the caller's numbering, complete on every rank."""
-        domain, array = self.domain, self.state.x.array
+        return self._in_callers_numbering(self.state.x.array, self.bodies_mm, load_mpa)
+
+    def rate(self, dofs: FloatArray, bodies: FloatArray) -> State:
+        """A change by the load factor, on the owned dofs and on the bodies, in the caller's numbering; 1/MPa."""
+        change = fem.Function(self.space)
+        change.x.array[: self.owned] = dofs
+        change.x.scatter_forward()
+        return self._in_callers_numbering(change.x.array, bodies.reshape(self.bodies_mm.shape), 1.0)
+
+    def _in_callers_numbering(self, array: FloatArray, bodies_mm: FloatArray, load_mpa: float) -> State:
+        """Local values and bodies as a state, complete on every rank."""
+        domain = self.domain
         known = self.u_dofs[:, 0] >= 0
         u = np.zeros((len(known), self.dimension))
         u[known] = array[self.u_dofs[known]] @ self._frame.T
@@ -174,7 +185,7 @@ class Unknowns:
         for nodes, values, places, p_values in self.comm.allgather((domain.input_node[known], u[known], where, p)):
             out.displacement_mm[nodes] = values
             out.pressure_mpa[places] = p_values
-        return replace(out, bodies_mm=self.bodies_mm.copy(), load_mpa=load_mpa)
+        return replace(out, bodies_mm=bodies_mm.copy(), load_mpa=load_mpa)
 
     def zero(self) -> State:
         """The unloaded reference state."""

@@ -165,7 +165,9 @@ def cell_pattern(space: Any) -> scipy.sparse.csr_matrix:
         (np.ones(dofs.size, np.int16), dofs.ravel(), starts), shape=(len(dofs), owned + ghosts)
     )
     local = (at.T @ at).tocsr()
-    names = index_map.local_to_global(np.arange(owned + ghosts, dtype=np.int32))
+    if comm.size == 1:
+        return local
+    names = index_map.local_to_global(np.arange(owned + ghosts, dtype=np.int32)).astype(PETSc.IntType)
     pattern = scipy.sparse.csr_matrix((local.data, names[local.indices], local.indptr), shape=(owned + ghosts, total))
     # what other ranks' cells couple at a dof is its owner's too
     firsts = np.array(comm.allgather(index_map.local_range[0]))
@@ -210,33 +212,43 @@ def compile_expression(expression: Any, points: NDArray[np.float64]) -> fem.Expr
     return fem.Expression(expression, points, **{stack.JIT_KEYWORD: JIT})
 
 
-def _packed(form: Any) -> tuple[Any, Any, Any]:
+def packed(form: Any) -> tuple[Any, Any, Any]:
     """C++ form, its constants and coefficients."""
     form = _unwrap(form)
     return form, cpp.fem.pack_constants(form), cpp.fem.pack_coefficients(form)
 
 
-def assemble_into(matrix: PETSc.Mat, form: Any, bcs: list[Any], space: Any) -> None:
-    """Add a bilinear form into a PETSc matrix, with unit diagonal on Dirichlet rows; leaves it in flush state."""
-    conditions = [_unwrap(bc) for bc in bcs]
-    cpp.fem.petsc.assemble_matrix(matrix, *_packed(form), conditions)
-    matrix.assemblyBegin(PETSc.Mat.AssemblyType.FLUSH)
-    matrix.assemblyEnd(PETSc.Mat.AssemblyType.FLUSH)
-    cpp.fem.petsc.insert_diagonal(matrix, space._cpp_object, conditions, 1.0)
+def held_dofs(bcs: list[Any], space: Any) -> NDArray[np.bool_]:
+    """Which local dofs Dirichlet conditions hold, shape (local,)."""
+    index_map = space.dofmap.index_map
+    out = np.zeros(index_map.size_local + index_map.num_ghosts, dtype=bool)
+    for bc in bcs:
+        out[_unwrap(bc).dof_indices()[0]] = True
+    return out
+
+
+def insert_diagonal(matrix: PETSc.Mat, bcs: list[Any], space: Any) -> None:
+    """Set the diagonal to one on owned dofs that Dirichlet conditions hold, in a matrix in flush state."""
+    cpp.fem.petsc.insert_diagonal(matrix, space._cpp_object, [_unwrap(bc) for bc in bcs], 1.0)
+
+
+def add_by_dolfinx(matrix: PETSc.Mat, form: Any, bcs: list[Any]) -> None:
+    """Add a bilinear form as dolfinx does, by which `solvers.assembly.places` is judged."""
+    cpp.fem.petsc.assemble_matrix(matrix, *packed(form), [_unwrap(bc) for bc in bcs])
 
 
 def assemble_array(form: Any, index_map: Any) -> NDArray[np.float64]:
     """Assemble a linear form on the owned dofs; contributions of other ranks are added."""
     vector = la.vector(index_map, 1)
     vector.array[:] = 0.0
-    cpp.fem.assemble_vector(vector.array, *_packed(form))
+    cpp.fem.assemble_vector(vector.array, *packed(form))
     sum_on_owners(vector)
     return np.array(vector.array[: index_map.size_local])
 
 
 def assemble_scalar(form: Any, comm: MPI.Comm) -> float:
     """Integral over all ranks."""
-    return float(comm.allreduce(cpp.fem.assemble_scalar(*_packed(form)), op=MPI.SUM))
+    return float(comm.allreduce(cpp.fem.assemble_scalar(*packed(form)), op=MPI.SUM))
 
 
 def dolfinx_version() -> str:

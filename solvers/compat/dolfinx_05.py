@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import cpp, fem, la
+from dolfinx import cpp, fem, jit, la
 from dolfinx import mesh as dmesh
 from ffcx import element_interface
 from mpi4py import MPI
@@ -71,3 +71,16 @@ def evaluate(expression: Any, mesh: dmesh.Mesh, cells: NDArray[np.int32]) -> NDA
 def newton_problem(residual: Any, function: Any, bcs: list[Any]) -> Any:
     """The tutorials' nonlinear problem, for `dolfinx.nls.petsc.NewtonSolver`."""
     return fem.petsc.NonlinearProblem(residual, function, bcs)
+
+
+def jit_settings(options: dict[str, Any]) -> dict[str, Any]:
+    """Options of the compiler with the defaults and the user's own."""
+    return jit.get_parameters(options)
+
+
+def kernels(form: Any, inner: Any, kind: Any, place: int) -> list[tuple[int, Any]]:
+    """Integrals of a type: what dolfinx knows each by, and FFCx' structure; ``place`` is the type's among FFCx'."""
+    ufcx = form.ufcx_form
+    count = ufcx.num_integrals(place)
+    known = {ufcx.integral_ids(place)[i]: ufcx.integrals(place)[i] for i in range(count)}
+    return [(key, known[key]) for key in inner.integral_ids(kind)] if count else []

@@ -8,7 +8,7 @@ from typing import Any
 import basix.ufl
 import numpy as np
 import ufl
-from dolfinx import fem, la
+from dolfinx import fem, jit, la
 from dolfinx import mesh as dmesh
 from mpi4py import MPI
 from numpy.typing import NDArray
@@ -70,3 +70,18 @@ def newton_problem(residual: Any, function: Any, bcs: list[Any]) -> Any:
     # 0.10 gave the name to another class, one that solves by SNES
     kind = getattr(fem.petsc, "NewtonSolverNonlinearProblem", None) or fem.petsc.NonlinearProblem
     return kind(residual, function, bcs)
+
+
+def jit_settings(options: dict[str, Any]) -> dict[str, Any]:
+    """Options of the compiler with the defaults and the user's own."""
+    return jit.get_options(options)
+
+
+def kernels(form: Any, inner: Any, kind: Any, place: int) -> list[tuple[int, Any]]:
+    """Integrals of a type: what dolfinx knows each by, and FFCx' structure; ``place`` is the type's among FFCx'."""
+    ufcx = form.ufcx_form
+    every = range(ufcx.form_integral_offsets[place], ufcx.form_integral_offsets[place + 1])
+    if not hasattr(inner, "integral_ids"):  # since 0.10 it counts them
+        return [(i, ufcx.form_integrals[k]) for i, k in enumerate(every)]
+    known = {ufcx.form_integral_ids[k]: ufcx.form_integrals[k] for k in every}
+    return [(key, known[key]) for key in inner.integral_ids(kind)] if known else []

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import singledispatch
+from functools import cache, singledispatch
 from typing import Any
 
 import numpy as np
@@ -31,7 +31,8 @@ class CompiledLaw:
     Attributes
     ----------
     derivatives
-        Function of (I1, I2) giving W and its derivatives, keyed by orders (a, b), a + b <= 2.
+        Function of (I1, I2) giving W and its derivatives, keyed by orders (a, b), a + b <= 2. It is cached, as stress,
+        its increment and the energy ask for the same ones and UFL is slow.
     uses_second_invariant
         False if W depends on I1 alone, so that forms can leave I2 out.
     invariant_limits
@@ -82,6 +83,7 @@ def _(law: Yeoh, mesh: Any) -> CompiledLaw:
 def _polynomial(coefficients: tuple[float, ...], mesh: Any) -> CompiledLaw:
     c = fem.Constant(mesh, np.asarray(coefficients, dtype=np.float64))
 
+    @cache
     def derivatives(i1: Any, i2: Any) -> Derivatives:
         x = i1 - 3.0
         w = w1 = w11 = 0.0
@@ -103,6 +105,7 @@ def _(law: Ogden, mesh: Any) -> CompiledLaw:
     poles = fem.Constant(mesh, np.asarray(shape.poles or (0.0,), dtype=np.float64))
     weights = fem.Constant(mesh, np.asarray(shape.weights or (0.0,), dtype=np.float64))
 
+    @cache
     def derivatives(i1: Any, i2: Any) -> Derivatives:
         d = trace_derivatives(i1, i2, shape, constant, poles, weights)
         return {k: prefactor * ((v - 3.0) if k == (0, 0) else v) for k, v in d.items()}
@@ -118,6 +121,7 @@ def _(law: Guccione, mesh: Any) -> CompiledLaw:
     """``W = C/2 (exp(Q) - 1)``, ``Q = b E:E = b/4 (I1^2 - 2 I2 - 2 I1 + 3)``, of the isochoric part of the strain."""
     c, b = fem.Constant(mesh, float(law.c_mpa)), fem.Constant(mesh, float(law.b))
 
+    @cache
     def derivatives(i1: Any, i2: Any) -> Derivatives:
         growth = 0.5 * c * ufl.exp(0.25 * b * (i1 * i1 - 2.0 * i2 - 2.0 * i1 + 3.0))
         by_1, by_2 = 0.5 * b * (i1 - 1.0), -0.5 * b

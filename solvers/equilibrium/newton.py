@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from mpi4py import MPI
@@ -14,6 +15,10 @@ from solvers.equilibrium.controls import Control, HeldLoad
 from solvers.errors import Cause, StepFailed
 from solvers.linear.factor import Factor
 from solvers.problem import Problem
+from solvers.state import State
+
+# Rotations of bodies below this, rad, add up.
+TURNED = 1e-6
 
 
 @dataclass(frozen=True)
@@ -35,6 +40,8 @@ class NewtonSettings:
         Newton iterations before the step is given up.
     reuse_below
         A factor is used again while the residual falls by more than this factor in an iteration.
+    reuse_for
+        And where it would take no more iterations than this as fast as the last one.
     max_cuts
         Halvings of an increment that would invert a cell.
     least_det_f
@@ -49,6 +56,7 @@ class NewtonSettings:
     round_off: float = 1e-7
     max_iterations: int = 14
     reuse_below: float = 0.1
+    reuse_for: float = 4.0
     max_cuts: int = 6
     least_det_f: float = 0.05
     line_search: int = 1
@@ -71,6 +79,9 @@ class NewtonReport:
         conservative.
     compliance_mm3_per_mpa
         dV/dP of the path at the converged state.
+    rate
+        Change of the state with the load factor along the path, 1/MPa; None where bodies have turned, whose rotations
+        do not add up, and with contact, which makes paths that are not smooth.
     """
 
     iterations: int
@@ -80,6 +91,7 @@ class NewtonReport:
     largest_stretch: float
     excess_negatives: int | None
     compliance_mm3_per_mpa: float
+    rate: State | None = field(default=None, compare=False, repr=False)
 
     @property
     def excess_at_volume(self) -> int | None:
@@ -138,12 +150,14 @@ def solve_equilibrium(
         if new_error <= settings.relative_tolerance or stalled:
             det_f, stretch = _check_state(problem)
             factor.refresh()  # the stability count is that of the converged state
-            compliance = joint_dot(problem.comm, here.gradient, factor.solve(*here.force))
-            unstable = factor.unstable_modes()
-            return NewtonReport(iteration, factor.count - before, new_error, det_f, stretch, unstable, compliance)
+            toward = factor.solve(*here.force)
+            compliance = joint_dot(problem.comm, here.gradient, toward)
+            unstable, rate = factor.unstable_modes(), _rate(problem, toward)
+            used = factor.count - before
+            return NewtonReport(iteration, used, new_error, det_f, stretch, unstable, compliance, rate)
         if new_error > 1e8 or iteration == settings.max_iterations:
             raise StepFailed(f"no convergence: relative residual {new_error:.1e} after {iteration} iterations")
-        reuse = iteration > 0 and new_error < settings.reuse_below * error
+        reuse = iteration > 0 and _converges(settings, error, new_error)
         error, fresh = new_error, not reuse
         if fresh:
             factor.refresh()
@@ -178,6 +192,20 @@ class _Increment:
     dofs: FloatArray
     bodies: FloatArray
     load_mpa: float
+
+
+def _converges(settings: NewtonSettings, error: float, new_error: float) -> bool:
+    """True if the factor that has led from one relative residual to another is good enough for what is left."""
+    rate = new_error / error
+    left = math.log(settings.relative_tolerance / new_error) / math.log(rate) if rate < 1.0 else math.inf
+    return rate < settings.reuse_below or left <= settings.reuse_for
+
+
+def _rate(problem: Problem, toward: Joint) -> State | None:
+    """A change with the load factor in the caller's numbering, where it can be gone along: see `NewtonReport.rate`."""
+    bonded = problem.bonded
+    turns = 0.0 if bonded is None else float(np.abs(bonded.values[:, 3:]).max(initial=0.0)) / bonded.arm_mm
+    return problem.unknowns.rate(*toward) if turns <= TURNED and problem.contact is None else None
 
 
 def _increment(problem: Problem, factor: Factor, control: Control, here: _Residual) -> _Increment:

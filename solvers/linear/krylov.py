@@ -24,6 +24,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from solvers import compat
+from solvers.assembly.tangent import assemble
 from solvers.bodies.rigid import EVERY_MOTION
 from solvers.discrete.domain import FloatArray
 from solvers.errors import Cause, SolverError, StepFailed
@@ -127,8 +128,7 @@ class IterativeSolver(Factor):
         weight, dx = problem.volume_measure
         form = compat.compile_form(-p * q * weight * dx)
         whole = problem.new_matrix()
-        compat.assemble_into(whole, form, [], problem.space)
-        whole.assemble()
+        assemble(whole, form, [], problem.space)
         mass = whole.createSubMatrix(self._pressures, self._pressures)
         whole.destroy()
         mu = problem.shear_modulus_mpa

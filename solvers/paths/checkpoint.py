@@ -42,17 +42,17 @@ def write_checkpoint(path: Path, label: str, memory: PathMemory | GuessMemory, n
         Anything that can be written as JSON, handed back by `read_checkpoint`.
     """
     if isinstance(memory, PathMemory):
-        states = [p.state for p in memory.history]
+        points, states = memory.history, [p.state for p in memory.history]
         facts: dict[str, Any] = {
             "kind": "path",
-            "points": [_facts(p) for p in memory.history],
+            "points": [_facts(p) for p in points],
             "control": memory.control,
             "step": memory.step,
             "stiffest_mpa_per_mm3": memory.stiffest_mpa_per_mm3,
             "limit_mpa": memory.limit_mpa,
         }
     else:
-        states = [memory.last.state, memory.guess]
+        points, states = (memory.last,), [memory.last.state, memory.guess]
         facts = {"kind": "guesses", "points": [_facts(memory.last)], "share": memory.share}
     crossing = memory.crossing
     facts |= {
@@ -62,7 +62,9 @@ def write_checkpoint(path: Path, label: str, memory: PathMemory | GuessMemory, n
         "crossing": None if crossing is None else {name: getattr(crossing, name) for name in _NUMBERS},
         "notes": notes,
     }
-    arrays = {f"{k}.{name}": value for k, state in enumerate(states) for name, value in asdict(state).items()}
+    parts = {str(k): state for k, state in enumerate(states)}
+    parts |= {f"{k}.rate": point.rate for k, point in enumerate(points) if point.rate is not None}
+    arrays = {f"{part}.{name}": value for part, state in parts.items() for name, value in asdict(state).items()}
     buffer = io.BytesIO()
     np.savez(buffer, facts=json.dumps(facts), **arrays)
     write_atomically(path, buffer.getvalue())
@@ -79,23 +81,23 @@ def read_checkpoint(path: Path, label: str) -> tuple[PathMemory | GuessMemory, A
     try:
         with np.load(path, allow_pickle=False) as data:
             facts = json.loads(str(data["facts"]))
-            count = sum(name.endswith(".load_mpa") for name in data.files)
-            states = [State(**{f.name: data[f"{k}.{f.name}"][()] for f in fields(State)}) for k in range(count)]
+            parts = [name.removesuffix(".load_mpa") for name in data.files if name.endswith(".load_mpa")]
+            read = {part: State(**{f.name: data[f"{part}.{f.name}"][()] for f in fields(State)}) for part in parts}
         if facts["label"] != label:
             raise CheckpointError(f"{path}: belongs to another scene, mesh or version of the code, not used")
-        return _memory(facts, states), facts["notes"]
+        return _memory(facts, read), facts["notes"]
     except FileNotFoundError:
         return None
-    except (OSError, ValueError, KeyError, TypeError, IndexError, EOFError, zipfile.BadZipFile) as error:
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
         raise CheckpointError(f"{path}: damaged, not used ({type(error).__name__}: {error})") from error
 
 
-def _memory(facts: dict[str, Any], states: list[State]) -> PathMemory | GuessMemory:
-    """The memory of a file's facts and states; a KeyError, ValueError, TypeError or IndexError if they are no such."""
+def _memory(facts: dict[str, Any], read: dict[str, State]) -> PathMemory | GuessMemory:
+    """The memory of a file's facts and states by name; a KeyError, ValueError or TypeError if they are no such."""
     crossing = facts["crossing"]
     if crossing is not None:
         crossing = Crossing(**{**crossing, "kind": Cause(crossing["kind"])})
-    points = [PathPoint(state, **point) for state, point in zip(states, facts["points"], strict=False)]
+    points = [PathPoint(read[str(k)], **of, rate=read.get(f"{k}.rate")) for k, of in enumerate(facts["points"])]
     if facts["kind"] == "path":
         return PathMemory(
             tuple(points),
@@ -107,8 +109,8 @@ def _memory(facts: dict[str, Any], states: list[State]) -> PathMemory | GuessMem
             crossing,
             facts["limit_mpa"],
         )
-    return GuessMemory(points[0], states[1], facts["reached"], facts["share"], facts["rejected"], crossing)
+    return GuessMemory(points[0], read["1"], facts["reached"], facts["share"], facts["rejected"], crossing)
 
 
 def _facts(point: PathPoint) -> dict[str, Any]:
-    return {f.name: getattr(point, f.name) for f in fields(PathPoint) if f.name != "state"}
+    return {f.name: getattr(point, f.name) for f in fields(PathPoint) if f.name not in ("state", "rate")}

@@ -18,6 +18,7 @@ from solvers.linear.factor import Factor
 from solvers.linear.inverse_iteration import softest_mode
 from solvers.paths.arc import Scale, plane_at
 from solvers.paths.bisection import narrow
+from solvers.paths.prediction import half_way
 from solvers.paths.states import Crossing, PathPoint, point_now
 from solvers.problem import Problem
 from solvers.state import State, combine
@@ -71,21 +72,24 @@ def locate_crossing(
     # A load that does no work on the path to the crossing leaves the volume as it is: then by pressure.
     moves = abs(after.volume_mm3 - before.volume_mm3) > 1e-9 * problem.volume_unit_mm3
 
-    def half_way(low: PathPoint, high: PathPoint) -> tuple[float, PathPoint] | None:
-        middle = combine([low.state, high.state], [0.5, 0.5])
-        problem.set_state(middle)
+    def middle(low: PathPoint, high: PathPoint) -> tuple[float, PathPoint] | None:
         control: Control = HeldLoad(0.5 * (low.pressure_mpa + high.pressure_mpa))
         if along is not None:
-            control = plane_at(problem, low.state, middle, along)
+            guess = combine([low.state, high.state], [0.5, 0.5])
+            control = plane_at(problem, low.state, guess, along)
         elif moves:
+            guess = half_way(low, high, "volume")
             control = HeldVolume(0.5 * (low.volume_mm3 + high.volume_mm3))
+        else:
+            guess = half_way(low, high, "pressure")
+        problem.set_state(guess)
         try:
             return 0.5, point_now(problem, solve_equilibrium(problem, factor, settings, control))
         except StepFailed:
             return None
 
     by_pressure = along is None and not moves
-    low, high = narrow(before, after, half_way, tolerance, 1.0 if by_pressure else LEAST_SHRINKING)
+    low, high = narrow(before, after, middle, tolerance, 1.0 if by_pressure else LEAST_SHRINKING)
     assert before.unstable is not None and high.unstable is not None
     pressure = 0.5 * (low.pressure_mpa + high.pressure_mpa)
     problem.set_state(high.state)

@@ -24,14 +24,32 @@ def coordinates(history: Sequence[PathPoint], control: ControlName, scale: Scale
     return [-sum(chords[k:]) for k in range(len(chords) + 1)]
 
 
-def _weights(nodes: Sequence[float], at: float) -> FloatArray:
-    """Weights of the polynomial through ``nodes``, evaluated at ``at``."""
-    weights = np.ones(len(nodes))
-    for i, x in enumerate(nodes):
-        for j, y in enumerate(nodes):
-            if i != j:
-                weights[i] *= (at - y) / (x - y)
-    return weights
+def _weights(nodes: Sequence[float], known: Sequence[bool], at: float) -> tuple[FloatArray, FloatArray]:
+    """Weights of values and slopes of the polynomial through ``nodes``, evaluated at ``at``.
+
+    It has the slopes, too, of the nodes where they are ``known``; those of the others have no weight.
+    """
+    unit = nodes[-1] - nodes[0] if len(nodes) > 1 else 1.0
+    places, sloped = (np.array(nodes) - nodes[-1]) / unit, np.flatnonzero(known)
+    powers = np.arange(len(nodes) + len(sloped))
+    values = places[:, None] ** powers
+    slopes = powers * places[sloped, None] ** np.maximum(powers - 1, 0)
+    # the weights give every power its value at ``at``
+    weights = np.linalg.solve(np.vstack([values, slopes]).T, ((at - nodes[-1]) / unit) ** powers)
+    by_slope = np.zeros(len(nodes))
+    by_slope[sloped] = unit * weights[len(nodes) :]
+    return weights[: len(nodes)], by_slope
+
+
+def _slopes(last: Sequence[PathPoint], control: ControlName) -> list[float]:
+    """Change of the load factor with the coordinate at each state, MPa/mm^3 or 1; NaN where that is not known.
+
+    None are told where the last state has none: what was smooth before contact says nothing of what comes after.
+    """
+    if last[-1].rate is None:
+        return [math.nan] * len(last)
+    by_coordinate = {"volume": lambda p: p.slope_mpa_per_mm3, "pressure": lambda p: 1.0, "arc": lambda p: math.nan}
+    return [by_coordinate[control](p) if p.rate is not None else math.nan for p in last]
 
 
 def _usable(
@@ -46,15 +64,32 @@ def _usable(
 
 
 def extrapolate(history: Sequence[PathPoint], control: ControlName, at: float, scale: Scale) -> State:
-    """State at a volume, a pressure or an arc length, from the polynomial through the last three."""
-    last, nodes = _usable(history, control, scale)
-    return combine([p.state for p in last], list(_weights(nodes, at)))
+    """State at a volume, a pressure or an arc length, from the polynomial through the last three.
+
+    In volume and pressure it has their slopes too (Hermite), where they are known.
+    """
+    return _polynomial(*_usable(history, control, scale), control, at)
+
+
+def half_way(low: PathPoint, high: PathPoint, control: ControlName) -> State:
+    """State half-way between two in volume or pressure, from the polynomial through them with their slopes."""
+    nodes = [p.volume_mm3 if control == "volume" else p.pressure_mpa for p in (low, high)]
+    return _polynomial([low, high], nodes, control, 0.5 * sum(nodes))
+
+
+def _polynomial(last: Sequence[PathPoint], nodes: Sequence[float], control: ControlName, at: float) -> State:
+    slopes = _slopes(last, control)
+    by_value, by_slope = _weights(nodes, np.isfinite(slopes).tolist(), at)
+    known = [(p.rate, w * s) for p, w, s in zip(last, by_slope, slopes, strict=True) if p.rate is not None and w]
+    return combine([*(p.state for p in last), *(rate for rate, _ in known)], [*by_value, *(w for _, w in known)])
 
 
 def predicted_pressure(history: Sequence[PathPoint], control: ControlName, at: float, scale: Scale) -> float:
     """Pressure at a volume or an arc length."""
     last, nodes = _usable(history, control, scale)
-    return float(_weights(nodes, at) @ np.array([p.pressure_mpa for p in last]))
+    slopes = np.array(_slopes(last, control))
+    by_value, by_slope = _weights(nodes, np.isfinite(slopes).tolist(), at)
+    return float(by_value @ np.array([p.pressure_mpa for p in last]) + by_slope @ np.nan_to_num(slopes, posinf=0.0))
 
 
 def peak(here: PathPoint, end: PathPoint) -> tuple[float, float] | None:

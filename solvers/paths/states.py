@@ -143,12 +143,15 @@ class PathPoint:
         dV/dP of the path there; NaN in the unloaded state, where it has not been computed.
     unstable
         Unstable modes at held pressure; None if not counted.
+    rate
+        Change of the state with the load factor along the path, 1/MPa; None if not known.
     """
 
     state: State
     volume_mm3: float
     compliance_mm3_per_mpa: float
     unstable: int | None
+    rate: State | None = None
 
     @property
     def pressure_mpa(self) -> float:
@@ -170,14 +173,16 @@ class PathPoint:
 def point_of(item: PathState) -> PathPoint:
     """The part of a converged state that decides later steps."""
     report = item.newton
-    return PathPoint(item.state, item.volume_mm3, report.compliance_mm3_per_mpa, report.excess_negatives)
+    return _point(item.state, item.volume_mm3, report)
 
 
 def point_now(problem: Problem, report: NewtonReport) -> PathPoint:
     """The same of the problem's current state, which a solve has just found."""
-    return PathPoint(
-        problem.get_state(), problem.cavity_volume(), report.compliance_mm3_per_mpa, report.excess_negatives
-    )
+    return _point(problem.get_state(), problem.cavity_volume(), report)
+
+
+def _point(state: State, volume_mm3: float, report: NewtonReport) -> PathPoint:
+    return PathPoint(state, volume_mm3, report.compliance_mm3_per_mpa, report.excess_negatives, report.rate)
 
 
 @dataclass(frozen=True)

@@ -144,13 +144,15 @@ class Follower:
     def aim(self, walk: Walk) -> Aim:
         """Where the next step goes; an asked pressure that it would pass is solved for instead."""
         here, target = walk.here, self.targets[walk.reached]
+        # where a step has failed, guesses of a high degree may lead astray
+        past = walk.history if not walk.failures else [replace(p, rate=None) for p in walk.history]
         if walk.control == "pressure":
             left = target - here.pressure_mpa
             count = max(1, math.ceil(left / walk.step - 0.1))  # no sliver before the asked pressure
             value = target if count == 1 else here.pressure_mpa + left / count
-            guess = extrapolate(walk.history, "pressure", value, self.scale)
+            guess = extrapolate(past, "pressure", value, self.scale)
             return Aim("pressure", value, value - here.pressure_mpa, count == 1, guess)
-        control, history = walk.control, walk.history
+        control, history = walk.control, past
         start = here.volume_mm3 if control == "volume" else 0.0
         end = start + walk.step
         foreseen = len(history) >= 3 and predicted_pressure(history, control, end, self.scale) >= target
@@ -220,6 +222,7 @@ class Follower:
             place = place_of_pressure(near, walk.control, start, end, pressure, self.scale)
             guess = extrapolate(near, walk.control, place, self.scale)
             found.insert(0, self.solve(Aim("pressure", pressure, aim.size, True, guess), walk))
+            around.insert(beyond, point_of(found[0]))
         # a step that went beyond the last asked pressure is not part of the answer
         return found[:-1] if walk.reached + len(passed) == len(self.targets) else found
 

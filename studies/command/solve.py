@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 from mpi4py import MPI
 
-from studies.command import solve_output
 from studies.command.common import (
     BAD_INPUT,
     FAULTS,
@@ -24,12 +24,15 @@ from studies.command.common import (
     load_scenes,
     say,
 )
-from studies.models.session import SceneResult, run_plan
 from studies.planning.levels import Model
 from studies.planning.plan import Plan
 from studies.planning.planner import describe, make_plan
-from studies.progress import Progress
 from studies.scene.load import Scene
+
+if TYPE_CHECKING:
+    from studies.models.session import SceneResult
+
+# What solves a scene is imported by the first that is solved: a plan needs no finite elements.
 
 
 @click.command(epilog=examples("bellowsx plan scenes/heung-t2-ri5.toml", "bellowsx plan my.toml --model full3d"))
@@ -98,6 +101,9 @@ def batch(scenes: tuple[Path, ...], out: Path, model: Model | None, ranks_per_sc
 
 def solve_scene(scene: Scene, text: str, plan: Plan, out: Path, comm: MPI.Comm, as_json: bool = False) -> int:
     """Run a plan and print its answers; returns the exit code."""
+    from studies.models.session import run_plan
+    from studies.progress import Progress
+
     progress = Progress(comm)
 
     def work() -> int:
@@ -117,6 +123,8 @@ def solve_scene(scene: Scene, text: str, plan: Plan, out: Path, comm: MPI.Comm, 
 
 def _tell(result: SceneResult[Scene], as_json: bool) -> None:
     """The answers on standard output; warnings and why a run stopped on the other."""
+    from studies.command import solve_output
+
     if as_json:
         click.echo(solve_output.as_json(result))
     else:

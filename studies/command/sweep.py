@@ -9,7 +9,6 @@ import click
 from mpi4py import MPI
 
 from studies.command.common import OUT, STOPPED, check_writable, examples, guarded, say
-from studies.progress import Progress
 
 
 @click.command(
@@ -25,6 +24,7 @@ def sweep(file: Path, out: Path) -> None:
 
     Finished scenes are not repeated. Combinations that are no valid scene stay in the table with the reason.
     """
+    from studies.progress import Progress
     from studies.sweep import farm
 
     check_writable(out)

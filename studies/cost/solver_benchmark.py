@@ -14,6 +14,8 @@ from typing import Any, Final
 import numpy as np
 from mpi4py import MPI
 
+from solvers import compat
+from solvers.assembly.tangent import add_form
 from solvers.equilibrium.controls import HeldLoad
 from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.linear.factor import Factor
@@ -95,10 +97,11 @@ def iteration_costs(scene: BellowsScene, around: int, comm: MPI.Comm) -> Numbers
         start = time.perf_counter()
         problem.set_state(here)
         # never a factor twice: so many tangents, factorisations, solves as iterations, and once more for the count
-        settings = NewtonSettings(reuse_below=0.0)
+        settings = NewtonSettings(reuse_below=0.0, reuse_for=0.0)
         solve_equilibrium(problem, factor, settings, HeldLoad(1.01 * here.load_mpa))
         iterations.append((time.perf_counter() - start, factor.count - counts))
         counts = factor.count
+    elements = element_costs(problem, factor.matrix)
     factor.close()
     number = sum(count for _, count in iterations)
     spent = {name: (seconds - before.get(name, 0.0)) / number for name, seconds in problem.timer.seconds.items()}
@@ -107,6 +110,7 @@ def iteration_costs(scene: BellowsScene, around: int, comm: MPI.Comm) -> Numbers
         "unknowns": (float(problem.index_map.size_global + problem.extra), "1"),
         "tangent": (spent["tangent"], "s"),
         "tangent_per_cell_and_core": (1e6 * spent["tangent"] * comm.size / problem.domain.cells, "us/cell"),
+        **elements,
         "factorisation": (spent["factor"], "s"),
         "solve": (spent["solve"], "s"),
         "residual": (spent["residual"], "s"),
@@ -114,6 +118,26 @@ def iteration_costs(scene: BellowsScene, around: int, comm: MPI.Comm) -> Numbers
         "newton_iteration": (iteration, "s"),
         "newton_iteration_over_tangent_and_factorisation": (iteration / (spent["tangent"] + spent["factor"]), "1"),
     }
+
+
+def element_costs(problem: Problem, matrix: Any) -> Numbers:
+    """CPU time of the tangent's integrals by this project's assembly and by dolfinx' own, in alternation."""
+    form, bcs, space = problem.tangent_form, problem.unknowns.supports.bcs, problem.space
+    ways = {
+        "integrals_of_tangent_per_cell_and_core": lambda: add_form(matrix, form, bcs, space),
+        "the_same_by_dolfinx_per_cell_and_core": lambda: compat.add_by_dolfinx(matrix, form, bcs),
+    }
+    spent: dict[str, list[float]] = {name: [] for name in ways}
+    for _ in range(REPETITIONS):
+        for name, add in ways.items():
+            matrix.zeroEntries()
+            begin = time.process_time()
+            add()
+            matrix.assemble()
+            spent[name].append(problem.comm.allreduce(time.process_time() - begin, op=MPI.SUM))
+    out: Numbers = {name: (1e6 * min(times) / problem.domain.cells, "us/cell") for name, times in spent.items()}
+    (here, _), (theirs, _) = out.values()
+    return {**out, "cpu_ratio_of_integrals_to_dolfinx": (here / theirs, "1")}
 
 
 def start_costs(scene: BellowsScene, around: int, comm: MPI.Comm) -> Numbers:

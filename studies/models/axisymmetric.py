@@ -8,13 +8,17 @@ from pathlib import Path
 
 from mpi4py import MPI
 
+from meshes.solid import SolidMesh
 from solvers.linear.factor import Factor
 from solvers.paths.orders import follow_loads
-from solvers.paths.states import PathMemory, PathSettings
+from solvers.paths.states import Path as EquilibriumPath
+from solvers.paths.states import PathMemory, PathSettings, PathState
 from studies.models.build import Tip, masses_g, scene_problem
 from studies.models.contact import MODELLED, ContactWatch
+from studies.models.finer.start import Coarser, follow_from
 from studies.models.modes import COUNTED_LEVELS, with_modes
 from studies.models.run_log import Log, begin, on_first_rank, path_row
+from studies.planning.levels import fineness
 from studies.progress import Progress
 from studies.results.run_files import load_state
 from studies.results.runs import Run, finished_run, run_hash
@@ -23,7 +27,13 @@ from studies.scene.meshes import scene_meridian
 
 
 def run_axisymmetric(
-    scene: BellowsScene, refinement: int, folder: Path, comm: MPI.Comm, progress: Progress, modes: bool = False
+    scene: BellowsScene,
+    refinement: int,
+    folder: Path,
+    comm: MPI.Comm,
+    progress: Progress,
+    modes: bool = False,
+    coarser: Coarser | None = None,
 ) -> Run:
     """The axisymmetric path of a scene on one mesh, solved on rank 0 and known to all; of a core off the axis, centred.
 
@@ -35,6 +45,8 @@ def run_axisymmetric(
         Where the run is kept; what is there of the same content is used.
     modes
         True to count the unstable modes of m = 0…6 at the requested pressures, on the meridians that are counted.
+    coarser
+        The same on a coarser meridian, whose states are the first guesses; None to follow the path.
 
     Raises
     ------
@@ -44,7 +56,7 @@ def run_axisymmetric(
     scene = without_eccentricity(scene)
 
     def run() -> Run:
-        found = _finished(scene, refinement, folder) or _solve(scene, refinement, folder, progress)
+        found = _finished(scene, refinement, folder) or _solve(scene, refinement, folder, progress, coarser)
         return with_modes(scene, refinement, folder, found) if modes and refinement in COUNTED_LEVELS else found
 
     return on_first_rank(comm, run)
@@ -59,7 +71,7 @@ def _finished(scene: BellowsScene, refinement: int, folder: Path) -> Run | None:
     return None if None in states else run
 
 
-def _solve(scene: BellowsScene, refinement: int, folder: Path, progress: Progress) -> Run:
+def _solve(scene: BellowsScene, refinement: int, folder: Path, progress: Progress, coarser: Coarser | None) -> Run:
     job = begin(scene, "axisymmetric", f"r{refinement}", folder, progress)
     mesh = scene_meridian(scene, refinement)
     meshed = time.perf_counter() - job.begin
@@ -68,22 +80,35 @@ def _solve(scene: BellowsScene, refinement: int, folder: Path, progress: Progres
     tip = Tip(scene, mesh)
     watch = ContactWatch(scene, mesh, problem, folder)
     log = Log(job, problem, Factor(problem), mesh, lambda item: path_row(item, tip, sense=job.sense), watch)
+    if log.memory is None and coarser is not None:
+        log.notes += coarser.contact_notes
     if any(note.startswith(MODELLED) for note in log.notes):
         watch.switch_on()
-    path = follow_loads(
-        problem,
-        log.factor,
-        scene.pressures_mpa,
-        _settings(scene),
-        scene.load.order,
-        log.notes.append,
-        watch.touches,
-        progress.iteration,
-        on_state=log.keep,
-        on_step=log.step,
-        resume=log.memory if isinstance(log.memory, PathMemory) else None,
-        accept=lambda item: watch.accept(item, log.notes),
-    )
+
+    def whole() -> EquilibriumPath:
+        return follow_loads(
+            problem,
+            log.factor,
+            scene.pressures_mpa,
+            _settings(scene),
+            scene.load.order,
+            log.notes.append,
+            watch.touches,
+            progress.iteration,
+            on_state=log.keep,
+            on_step=log.step,
+            resume=log.memory if isinstance(log.memory, PathMemory) else None,
+            accept=lambda item: watch.accept(item, log.notes),
+        )
+
+    def touches(item: PathState) -> bool:
+        return not watch.modelled and watch.touches(item)
+
+    def coarse_mesh() -> SolidMesh:
+        assert coarser is not None
+        return scene_meridian(scene, fineness(coarser.level))
+
+    path = follow_from(coarser, coarse_mesh, log, whole, touches)
     return log.finish(path, mesh, masses_g(scene, mesh))
 
 

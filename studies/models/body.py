@@ -24,6 +24,7 @@ from solvers.paths.states import PathMemory, PathPoint, PathSettings, PathState
 from solvers.state import State
 from studies.first_rank import first
 from studies.models.body_problem import Body, body_of, enclosed_mm3, measures, problem_of
+from studies.models.finer.start import Coarser, follow_from
 from studies.models.run_log import Log, begin, on_first_rank, path_row, without_fields, write_fields
 from studies.progress import Progress
 from studies.results.run_files import PathRow, load_state
@@ -51,6 +52,7 @@ def run_simple_body(
     comm: MPI.Comm,
     progress: Progress,
     skipped: Sequence[str] = (),
+    coarser: Coarser | None = None,
 ) -> Run:
     """The path of a scene on one mesh; a meridian is solved on rank 0 and known to all.
 
@@ -62,6 +64,8 @@ def run_simple_body(
         Where the run is kept; what is there of the same content is used, and an interrupted run goes on.
     skipped
         What the plan does not compute, for the summary.
+    coarser
+        The same on a coarser mesh, whose states are the first guesses; None to follow the path.
 
     Raises
     ------
@@ -71,7 +75,7 @@ def run_simple_body(
 
     def run(on: MPI.Comm) -> Run:
         done = first(on, lambda: _finished(scene, model, level, folder))
-        return done or _solve(scene, model, level, folder, on, progress, skipped)
+        return done or _solve(scene, model, level, folder, on, progress, skipped, coarser)
 
     return run(comm) if model != "axisymmetric" else on_first_rank(comm, lambda: run(MPI.COMM_SELF))
 
@@ -87,7 +91,14 @@ def _finished(scene: BodyScene, model: str, level: str, folder: Path) -> Run | N
 
 
 def _solve(
-    scene: BodyScene, model: str, level: str, folder: Path, comm: MPI.Comm, progress: Progress, skipped: Sequence[str]
+    scene: BodyScene,
+    model: str,
+    level: str,
+    folder: Path,
+    comm: MPI.Comm,
+    progress: Progress,
+    skipped: Sequence[str],
+    coarser: Coarser | None,
 ) -> Run:
     job = begin(scene, model, level, folder, progress, skipped)
     body = body_of(scene, model, level)
@@ -99,7 +110,7 @@ def _solve(
     elif "limit_kpa" in scene.quantities:
         path = _to_limit(scene, log)
     else:
-        path = _load(scene, log)
+        path = follow_from(coarser, lambda: _coarse_mesh(scene, model, coarser), log, lambda: _load(scene, log))
     silicone = body.parts * region_volumes_mm3(body.mesh)["elastomer"] * 1e-3 * SILICONE_DENSITY_G_CM3
     run = log.finish(path, body.mesh, (silicone, 0.0))
     if comm.rank == 0:
@@ -109,6 +120,11 @@ def _solve(
         if scene.ask.fields and model != "axisymmetric":
             write_fields(folder, run, body.mesh, [row.pressure_kpa for row in run.requested])
     return comm.bcast(run)
+
+
+def _coarse_mesh(scene: BodyScene, model: str, coarser: Coarser | None) -> SolidMesh:
+    assert coarser is not None
+    return body_of(scene, model, coarser.level).mesh
 
 
 # --- paths --------------------------------------------------------------------------------------------------

@@ -222,6 +222,12 @@ class Log:
             self.notes = list(kept["notes"])
             job.progress.warn(f"{job.label}: going on after {self.rows[-1].pressure_kpa:.6g} kPa, from its checkpoint")
 
+    def start_anew(self, notes: Sequence[str]) -> None:
+        """Drop the states so far, which turned out not to be those wanted; only the work they took still counts."""
+        if self.comm.rank == 0:
+            forget(self.job.folder)
+        self.rows, self.memory, self.notes = [], None, list(notes)
+
     def change_solver(self, make: Callable[[Problem], Factor]) -> None:
         """Go on with another solver; what the last one made counts, and its memory is freed first."""
         self._factorisations += self.factor.count

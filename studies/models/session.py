@@ -10,12 +10,11 @@ from typing import Generic, TypeVar
 
 from mpi4py import MPI
 
-from meshes.errors import GeometryError, MeshError
 from solvers.atomic import write_atomically
-from solvers.errors import SolverError
 from solvers.paths.orders import UNSTABLE
 from studies.models.axisymmetric import run_axisymmetric
 from studies.models.closed_form import run_closed_form
+from studies.models.finer.start import Coarser
 from studies.models.full3d import SolidModel, run_full3d
 from studies.models.modes import COUNTED_LEVELS
 from studies.models.run_log import WARNING, scene_notes
@@ -249,11 +248,9 @@ def _within_tolerance(scene: Scene, runs: Sequence[Run]) -> bool:
 def _body_runs(scene: BodyScene, plan: Plan, folder: Path, comm: MPI.Comm, progress: Progress) -> list[Run]:
     from studies.models.body import run_simple_body
 
-    def solve(levels: Sequence[str]) -> list[Run]:
-        return [
-            run_simple_body(scene, plan.model, level, folder / f"{plan.model}-{level}", comm, progress, plan.skipped)
-            for level in levels
-        ]
+    def solve(level: str, before: Run | None) -> Run:
+        place, coarser = folder / f"{plan.model}-{level}", _kept(before, folder)
+        return run_simple_body(scene, plan.model, level, place, comm, progress, plan.skipped, coarser)
 
     return until_good_enough(plan, solve, lambda runs: _within_tolerance(scene, runs), plan.model)
 
@@ -265,8 +262,8 @@ def _bellows_runs(scene: BellowsScene, plan: Plan, folder: Path, comm: MPI.Comm,
             return _within_tolerance(scene, runs)
         return good_meridian(scene, runs, plan.body_levels) is not None
 
-    def solve(levels: Sequence[str]) -> list[Run]:
-        return _shared_out(scene, levels, folder, comm, progress)
+    def solve(level: str, before: Run | None) -> Run:
+        return _flat(scene, level, before, folder, comm, progress)
 
     flat = plan if plan.model == "axisymmetric" else plan.as_fixed()
     runs = until_good_enough(flat, solve, good_enough, "axisymmetric")
@@ -280,31 +277,15 @@ def _bellows_runs(scene: BellowsScene, plan: Plan, folder: Path, comm: MPI.Comm,
     return _refined_in_3d(scene, plan, runs, bodies, folder, comm, progress)
 
 
-def _shared_out(
-    scene: BellowsScene, levels: Sequence[str], folder: Path, comm: MPI.Comm, progress: Progress
-) -> list[Run]:
-    """Axisymmetric runs, each on one rank, shared out over all; known to every rank, in the order of the levels.
+def _flat(scene: BellowsScene, level: str, before: Run | None, folder: Path, comm: MPI.Comm, progress: Progress) -> Run:
+    """An axisymmetric run, from the states of the one on the level before."""
+    place, coarser = folder / f"axisymmetric-{level}", _kept(before, folder)
+    return run_axisymmetric(scene, fineness(level), place, comm, progress, coarser=coarser)
 
-    Raises
-    ------
-    GeometryError, MeshError, SolverError
-        On every rank, if a run failed.
-    """
-    mine: dict[str, Run] = {}
-    fault: Exception | None = None
-    for level in levels[comm.rank :: comm.size]:
-        place = folder / f"axisymmetric-{level}"
-        try:
-            mine[level] = run_axisymmetric(scene, fineness(level), place, MPI.COMM_SELF, progress)
-        except (GeometryError, MeshError, SolverError) as error:
-            fault = error
-            break
-    every = comm.allgather((mine, fault))
-    for _, failed in every:
-        if failed is not None:
-            raise failed
-    known = {level: run for of_rank, _ in every for level, run in of_rank.items()}
-    return [known[level] for level in levels]
+
+def _kept(run: Run | None, folder: Path) -> Coarser | None:
+    """A run of this scene with where it is kept."""
+    return None if run is None else Coarser(run, folder / f"{run.summary.model}-{run.summary.level}")
 
 
 def _counted(scene: BellowsScene, runs: list[Run], folder: Path, comm: MPI.Comm, progress: Progress) -> list[Run]:
@@ -370,7 +351,7 @@ def _refined_in_3d(
         if isinstance(finer, BodyLevel):
             bodies = [*bodies, _run_in_3d(scene, plan.model, finer, plan, folder, comm, progress)]
         else:
-            axisymmetric = [*axisymmetric, *_shared_out(scene, (finer,), folder, comm, progress)]
+            axisymmetric = [*axisymmetric, _flat(scene, finer, axisymmetric[-1], folder, comm, progress)]
     return [*axisymmetric, *bodies]
 
 

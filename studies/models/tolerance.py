@@ -157,24 +157,35 @@ def _remedy(scene: Scene, worst: Shortfall) -> str:
 
 
 def until_good_enough(
-    plan: Plan, solve: Callable[[Sequence[str]], list[Run]], good_enough: Callable[[Sequence[Run]], bool], model: Model
+    plan: Plan,
+    solve: Callable[[str, Run | None], Run],
+    good_enough: Callable[[Sequence[Run]], bool],
+    model: Model,
 ) -> list[Run]:
     """Runs of a plan's levels and, while they are not good enough, of those that are left to the results.
 
     Parameters
     ----------
+    solve
+        Solves a level, which may start from the run on the one before.
     model
         That of the runs.
     """
-    runs = solve(plan.certain)
+    runs: list[Run] = []
+
+    def add(level: str) -> None:
+        runs.append(solve(level, runs[-1] if runs else None))
+
+    for level in plan.certain:
+        add(level)
     for level in plan.perhaps:
         if good_enough(runs):
             return runs
-        runs += solve((level,))
+        add(level)
     for level in plan.finer:
         if good_enough(runs) or not may_follow(runs, level, model):
             break
-        runs += solve((level,))
+        add(level)
     return runs
 
 

@@ -61,7 +61,7 @@ def measure_folds(places: Places, displacement_mm: FloatArray, tip_mm: float) ->
         Elongation at the tip.
     """
     first, last = places.sides[:, 0], places.sides[:, -1]
-    x = places.points + displacement_mm
+    x = places.points + places.displacement_mm(displacement_mm)
     across, along = np.abs(x[last] - x[first]).mean(axis=0)
     # sides from a seat to a throat come first, then as many from a throat to a seat
     folds = len(places.throats_outside)

@@ -18,6 +18,7 @@ from mpi4py import MPI
 from analytical.bellows.paper import PRINTED_MASS_G
 from studies.engine import FAULTS, Page, Setting, Solved, Study, farm
 from studies.models.axisymmetric import run_axisymmetric
+from studies.models.finer.start import Coarser
 from studies.models.full3d import run_full3d
 from studies.models.session import SCENE_FILE, run_plan
 from studies.paper import bonds, errors, sets, times, variants
@@ -62,7 +63,7 @@ def cases(options: Mapping[str, Any]) -> tuple[Case, ...]:
 
 
 def prepare(chosen: Sequence[Case], at: Setting) -> list[str]:
-    """All axisymmetric runs, each content once, shared out over the ranks, the longest first; which failed and why."""
+    """All axisymmetric runs, each content once, shared out over the ranks, the coarsest first; which failed and why."""
     if at.comm.rank == 0:
         write_scenes(at.out, chosen)
     at.comm.barrier()
@@ -71,8 +72,10 @@ def prepare(chosen: Sequence[Case], at: Setting) -> list[str]:
         for level in case.levels:
             content = run_hash(scene_of(at.out, case), "axisymmetric", f"r{level}")
             alike.setdefault(content, []).append((case, level))
-    jobs = sorted(alike.values(), key=lambda same: -same[0][1])
-    faults = farm(jobs, at.comm, lambda same: _run_alike(same, at))
+    faults: list[str] = []
+    for level in sorted({same[0][1] for same in alike.values()}):  # each starts from the states on the one before
+        jobs = [same for same in alike.values() if same[0][1] == level]
+        faults += farm(jobs, at.comm, lambda same: _run_alike(same, at))
     farm([case for case in chosen if case.group == "sets"], at.comm, lambda case: _measure(case, at))
     return [fault for fault in faults if fault]
 
@@ -102,7 +105,8 @@ def _run_alike(same: Sequence[tuple[Case, int]], at: Setting) -> str:
     place = at.out / case.name / f"axisymmetric-r{level}"
     modes = case.group in COUNTED_GROUPS
     try:
-        run = run_axisymmetric(scene_of(at.out, case), level, place, MPI.COMM_SELF, at.progress, modes)
+        scene, before = scene_of(at.out, case), _before(case, level, at)
+        run = run_axisymmetric(scene, level, place, MPI.COMM_SELF, at.progress, modes, before)
     except FAULTS as error:
         return f"{case.name} r{level}: {error}"
     for other, _ in others:
@@ -110,6 +114,17 @@ def _run_alike(same: Sequence[tuple[Case, int]], at: Setting) -> str:
         if finished_run(copy, run.summary.content_hash) is None:
             shutil.copytree(place, copy, dirs_exist_ok=True)
     return ""
+
+
+def _before(case: Case, level: int, at: Setting) -> Coarser | None:
+    """The case's run on the next coarser meridian, if it has one; of blocked ones each path is looked at for touch."""
+    coarser = [n for n in case.levels if n < level]
+    if not coarser or case.group == "blocked":
+        return None
+    name = f"r{max(coarser)}"
+    folder = at.out / case.name / f"axisymmetric-{name}"
+    run = finished_run(folder, run_hash(scene_of(at.out, case), "axisymmetric", name))
+    return None if run is None else Coarser(run, folder)
 
 
 def solve(case: Case, at: Setting) -> None:

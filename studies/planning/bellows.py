@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from studies.planning.error_model import MERIDIAN_SHARE, around_for, choose, knows, meridians_for
 from studies.planning.levels import FINER_MERIDIANS, MERIDIANS, Model
-from studies.planning.plan import Plan, tolerance_lines
+from studies.planning.plan import Plan, tolerance_lines, ways
 from studies.scene.bellows import RING_ERROR_PERCENT, BellowsScene, in_hexahedra
 from studies.scene.meshes import solved_part, symmetry_note
 from studies.scene.sections import SceneError
@@ -141,9 +141,8 @@ def bellows_lines(scene: BellowsScene, plan: Plan) -> list[str]:
     pressures = ", ".join(f"{p:g}" for p in scene.load.pressure_kpa)
     if scene.load.sense > 0.0:
         lines.append(f"  closed form at {pressures} kPa")
-    for level in plan.levels:
-        maybe = " (only if needed)" if level in plan.perhaps else ""
-        lines.append(f"  axisymmetric, meridian level {level}: path from 0 through {pressures} kPa{maybe}")
+    for level, way in ways(plan, f"{pressures} kPa"):
+        lines.append(f"  axisymmetric, meridian level {level}: {way}")
     body = "a quarter in 3D" if plan.model == "sector" else "full 3D"
     cells = "hexahedra" if in_hexahedra(scene) else "tetrahedra"
     meridians = " or ".join(f"r{level}" for level in plan.body_levels)

@@ -7,7 +7,7 @@ from pathlib import Path
 from meshes.by_gmsh.user_mesh import read_user_mesh
 from meshes.solid import SolidMesh
 from studies.planning.levels import FINER_MERIDIANS, MERIDIANS, MOST_UNKNOWNS, Model
-from studies.planning.plan import Plan, tolerance_lines
+from studies.planning.plan import Plan, tolerance_lines, ways
 from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import CylinderGeometry, MeshGeometry, TubeGeometry
 from studies.scene.sections import SceneError
@@ -133,7 +133,7 @@ def body_lines(scene: BodyScene, plan: Plan) -> list[str]:
     if isinstance(scene.geometry, CylinderGeometry):
         loads = f"{scene.load.twist_rad_per_mm:g} rad/mm"
     lines = [f"answer: {plan.model}, {', '.join(scene.quantities)}"]
-    for level in plan.levels:
-        maybe = " (only if needed)" if level in plan.perhaps else ""
-        lines.append(f"  {plan.model.replace('full3d', 'full 3D')} {level}: path from 0 through {loads}{maybe}")
+    whole = isinstance(scene.geometry, CylinderGeometry) or "limit_kpa" in scene.quantities
+    for level, way in ways(plan, loads, whole):
+        lines.append(f"  {plan.model.replace('full3d', 'full 3D')} {level}: {way}")
     return [*lines, *tolerance_lines(plan, scene.ask.tolerance_percent)]

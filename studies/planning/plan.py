@@ -65,6 +65,15 @@ class Plan:
         return replace(self, finer=(), fixed=True)
 
 
+def ways(plan: Plan, loads: str, whole: bool = False) -> list[tuple[str, str]]:
+    """Each level of a plan and how its loads are come to, in words; with ``whole`` by its own path on every one."""
+    found = []
+    for before, level in zip(("", *plan.levels), plan.levels, strict=False):
+        way = f"{loads} from the states on {before}" if before and not whole else f"path from 0 through {loads}"
+        found.append((level, way + (" (only if needed)" if level in plan.perhaps else "")))
+    return found
+
+
 def tolerance_lines(plan: Plan, tolerance_percent: float) -> list[str]:
     """What is done for a tolerance that these meshes do not hold, for a terminal."""
     if not plan.finer:

@@ -92,6 +92,15 @@ def finest_path(scene: SceneReport, model: str) -> list[PathRow]:
     return scene.paths[max(keys, key=lambda key: ranking(split_key(key)[1]))] if keys else []
 
 
+def followed_path(scene: SceneReport, model: str) -> list[PathRow]:
+    """The same of the finest level whose path was followed, with states between; without one of the finest."""
+    keys = [key for key in scene.paths if split_key(key)[0] == model]
+    between = [key for key in keys if any(state.status == "step" for state in scene.paths[key])]
+    return (
+        scene.paths[max(between, key=lambda key: ranking(split_key(key)[1]))] if between else finest_path(scene, model)
+    )
+
+
 def label_of(scene: SceneReport, model: str, *levels: str) -> str:
     """What the report calls a model of a scene on one or more meshes."""
     return run_label(model, *levels, counted=scene.counted)

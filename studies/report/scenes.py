@@ -20,7 +20,7 @@ from studies.report.pictures.stills import Still
 from studies.report.scene_report import (
     SceneReport,
     anchor_of,
-    finest_path,
+    followed_path,
     headline,
     headlines,
     label_of,
@@ -124,7 +124,7 @@ def _curves(scene: SceneReport) -> list[Curve]:
         points = [(row.pressure_kpa, row.value) for row in reached]
         bars = [row.uncertainty for row in reached]
         force = quantity_of(scene) == TIP_FORCE
-        states = finest_path(scene, model)
+        states = followed_path(scene, model)
         loaded = not force and bool(states) and abs(states[-1].tip_force_n) > 0.0
         if loaded:  # states before the whole force was on are of other loads
             states = [s for s in states if s.tip_force_n == states[-1].tip_force_n]

@@ -33,6 +33,7 @@ from scipy.spatial import cKDTree
 from meshes.cells import CellKind, CellShape
 from meshes.meridian import Band, bellows_band, default_resolution
 from meshes.solid import REGIONS, FloatArray, IntArray
+from meshes.strip.places import interpolation
 from solvers.state import State
 from studies.scene.bellows import BellowsScene, in_hexahedra, shape_of
 from studies.scene.meshes import scene_meridian
@@ -56,31 +57,40 @@ NEAR_EDGE_MM = 0.5
 
 @dataclass(frozen=True)
 class Places:
-    """Nodes of a scene's meridian mesh at which its states are measured.
+    """Places of a scene's meridian at which its states are measured: its mesh's nodes, then others within its cells.
 
     Attributes
     ----------
-    points, cells
-        The mesh's nodes, mm, and those of its cells that are silicone.
+    points
+        Where they are, mm.
+    nodes
+        Number of the mesh's nodes, which come first.
+    between, weights
+        Of the other places: nodes of the cell, and their weights, both (places, nodes of a cell).
+    cells
+        Those of the mesh that are silicone.
     cell
         Their reference cell.
     throats_outside, throats_inside
-        Nodes of the roots at their smallest radius, shape (n,).
+        The roots at their smallest radius, shape (n,).
     sides
-        Nodes of the mid-surface of each side wall in order, shape (2 n, s): from the edge of the ring's seat (the
+        Mid-surface of each side wall in order, shape (2 n, s): from the edge of the ring's seat (the
         crest's middle where there are no rings) along the crest's arc, the straight side and the root's arc to the
         throat, or back. The model's side runs straight from crest to root and has no arcs.
     seats_middle, seats_outside
-        Nodes of the mid-surface and of the outside under each ring in order, shape (n + 1, s); s = 0 without rings.
+        Mid-surface and outside under each ring in order, shape (n + 1, s); s = 0 without rings.
     cavity
-        Nodes of the cavity's surface from the inlet to the axis of the cap or to the open end, shape (c,).
+        The cavity's surface from the inlet to the axis of the cap or to the open end, shape (c,).
     near_edge
-        True within ``NEAR_EDGE_MM`` of an outer edge of a seat, shape (nodes,).
+        True within ``NEAR_EDGE_MM`` of an outer edge of a seat, shape (nodes,); of the mesh's nodes only.
     band
         Stations along the outline, which know the part of the wall they belong to.
     """
 
     points: FloatArray
+    nodes: int
+    between: IntArray
+    weights: FloatArray
     cells: IntArray
     cell: CellShape
     throats_outside: IntArray
@@ -91,6 +101,10 @@ class Places:
     cavity: IntArray
     near_edge: NDArray[np.bool_]
     band: Band
+
+    def displacement_mm(self, at_nodes_mm: FloatArray) -> FloatArray:
+        """Displacement of all places from that of the mesh's nodes."""
+        return np.vstack([at_nodes_mm, np.einsum("pk,pkd->pd", self.weights, at_nodes_mm[self.between])])
 
     def part(self, node: int) -> str:
         """Where in the silicone a node is: root, side, crest, seat, collar or cap, and near which surface."""
@@ -107,10 +121,15 @@ def find_places(scene: BellowsScene, refinement: int) -> Places:
     shape, mesh = shape_of(scene), scene_meridian(scene, refinement)
     cells: CellKind = "quadrilaterals" if in_hexahedra(scene) else "triangles"
     band = bellows_band(shape, default_resolution(shape, refinement, cells))
-    tree = cKDTree(mesh.points)
-    inside, middle, outside = (
-        np.asarray(tree.query(at)[1]) for at in (band.inner, 0.5 * (band.inner + band.outer), band.outer)
-    )
+    stations = np.arange(len(band.inner)) / (2.0 * refinement)
+    across = np.repeat([0.0, 0.5 * mesh.strip[:, 1].max(), mesh.strip[:, 1].max()], len(stations))
+    wanted = np.column_stack([np.tile(stations, 3), across])
+    away, found = cKDTree(mesh.strip).query(wanted)
+    other = away > 1e-9
+    between, weights = interpolation(mesh, wanted[other])
+    found[other] = len(mesh.points) + np.arange(other.sum())
+    inside, middle, outside = found.reshape(3, -1)
+    points = np.vstack([mesh.points, np.einsum("pk,pkd->pd", weights, mesh.points[between])])
     roots = np.array([_stations(band, "root", k) for k in range(shape.convolutions)])
     half_root = roots.shape[1] // 2
     throats = roots[:, half_root]
@@ -125,7 +144,10 @@ def find_places(scene: BellowsScene, refinement: int) -> Places:
     edges = np.concatenate([seats[:, :1], seats[:, -1:]])
     away = np.linalg.norm(mesh.points - band.outer[edges].reshape(-1, 1, 2), axis=2)
     return Places(
-        points=mesh.points,
+        points=points,
+        nodes=len(mesh.points),
+        between=between,
+        weights=weights,
         cells=mesh.cells[mesh.regions != REGIONS["ring"]],
         cell=mesh.cell,
         throats_outside=outside[throats],
@@ -159,7 +181,7 @@ class Measured:
 
 def measure(scene: BellowsScene, places: Places, state: State) -> Measured:
     """Measure an axisymmetric state; what a scene without (rigid) rings does not have is left out."""
-    u = state.displacement_mm
+    u = places.displacement_mm(state.displacement_mm)
     hoop = hoop_stretches(places.points, u)
     middle = places.sides[:, places.sides.shape[1] // 2]
     lengths = [curve_length(x[places.sides]) for x in (places.points + u, places.points)]
@@ -174,7 +196,7 @@ def measure(scene: BellowsScene, places: Places, state: State) -> Measured:
     }
     if not scene.blocked:
         values["unfolding_share"] = unfolding_share(places.points[places.sides], (places.points + u)[places.sides])
-    stretch = largest_stretches(places, u)
+    stretch = largest_stretches(places, state.displacement_mm)
     peaks = {"peak_stretch": int(np.argmax(stretch))}
     if places.seats_middle.size:
         values["ring_hoop_stretch"] = mean_along(hoop[places.seats_middle]).mean()
@@ -225,18 +247,17 @@ def largest_stretches(places: Places, displacement_mm: FloatArray) -> FloatArray
 
     In the meridian plane, of the mean of the right Cauchy-Green tensors of the cells at a node.
     """
-    cells = places.cells
+    cells, rest = places.cells, places.points[: places.nodes]
     slopes = places.cell.shape(places.cell.nodes)[1]
     before, after = (  # derivatives of the positions in the reference cell, shape (cells, nodes of a cell, 2, 2)
-        np.moveaxis(np.tensordot(x[cells], slopes, (1, 1)), 1, 2)
-        for x in (places.points, places.points + displacement_mm)
+        np.moveaxis(np.tensordot(x[cells], slopes, (1, 1)), 1, 2) for x in (rest, rest + displacement_mm)
     )
     # by Cramer's rule: numpy's inverse of a hundred thousand 2 x 2 matrices takes twenty times as long
     a, b, c, d = before[..., 0, 0], before[..., 0, 1], before[..., 1, 0], before[..., 1, 1]
     inverse = np.stack([np.stack([d, -b], axis=-1), np.stack([-c, a], axis=-1)], axis=-2)
     gradient = after @ (inverse / (a * d - b * c)[..., None, None])
     tensor = np.swapaxes(gradient, -1, -2) @ gradient
-    at, count = cells.ravel(), len(places.points)
+    at, count = cells.ravel(), places.nodes
     share = np.maximum(np.bincount(at, minlength=count), 1)
     rr, rz, zz = (
         np.bincount(at, weights=tensor[..., i, j].ravel(), minlength=count) / share for i, j in ((0, 0), (0, 1), (1, 1))
@@ -244,7 +265,7 @@ def largest_stretches(places: Places, displacement_mm: FloatArray) -> FloatArray
     in_plane = np.sqrt(0.5 * (rr + zz) + np.hypot(0.5 * (rr - zz), rz))
     hoop = np.zeros(count)
     silicone = np.unique(at)
-    hoop[silicone] = hoop_stretches(places.points, displacement_mm)[silicone]
+    hoop[silicone] = hoop_stretches(rest, displacement_mm)[silicone]
     return np.maximum(in_plane, hoop)
 
 

@@ -13,7 +13,7 @@ from studies.planning.levels import fineness
 from studies.results import provenance
 from studies.results.rows import AFTER_SNAP, REACHED, Row, row
 from studies.results.run_files import PathRow, RunSummary, read_path, read_summary, write_text_atomically
-from studies.results.uncertainty import EDGE_ORDER, Convergence, Orders, convergence
+from studies.results.uncertainty import EDGE_ORDER, Convergence, Orders, convergence, share_left
 from studies.scene.bellows import TipQuantity, on_meridian
 from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import MeshGeometry
@@ -106,6 +106,15 @@ def of_model(runs: Sequence[Run], model: str) -> tuple[Run, ...]:
     return tuple(run for run in runs if run.summary.model == model)
 
 
+def followed(runs: Sequence[Run]) -> tuple[Run, ...]:
+    """The finest run whose path was followed, with states between the requested loads; without one the finest; or none.
+
+    Finer runs start from its states at the requested loads.
+    """
+    between = [run for run in runs if any(row.status == "step" for row in run.path)]
+    return tuple((between or list(runs))[-1:])
+
+
 def value_status(run: Run, load_kpa: float, value: float, digits: str = ".2f") -> str:
     """``reached``, and beyond which limit point; or where and why the run stopped, or had no state, before."""
     if math.isnan(value):
@@ -163,16 +172,20 @@ def tip_convergence(
 ) -> Convergence:
     """Convergence of the tip over the finest levels (three, or two) that reached a pressure.
 
-    Two meshes may agree by accident where their tips cross on the way: of two, the uncertainty at a pressure is at
-    least their largest relative difference over all pressures that both reached.
+    Meshes may agree by accident where their tips cross on the way. So at a pressure the uncertainty is at least what
+    the largest relative change from the first mesh to the last, over all pressures that both reached, tells of an edge:
+    of two meshes all of that change, of three the share of it that would be left.
     """
     found = run_convergence(runs, [tip_at(run, pressure_kpa, quantity) for run in runs], orders)
-    reached = [run for run in runs if not math.isnan(tip_at(run, pressure_kpa, quantity))]
-    if len(reached) != 2:
+    reached = [run for run in runs if not math.isnan(tip_at(run, pressure_kpa, quantity))][-3:]
+    if len(reached) < 2 or (len(reached) == 3 and orders.edge is None):
         return found
-    differences = []
+    changes = []
     for entry in reached[0].path:
-        one, other = (tip_at(run, entry.pressure_kpa, quantity) for run in reached)
+        one, other = (tip_at(run, entry.pressure_kpa, quantity) for run in (reached[0], reached[-1]))
         if other and not math.isnan(one - other):
-            differences.append(abs((one - other) / other))
-    return replace(found, least=max(differences, default=0.0) * abs(tip_at(reached[-1], pressure_kpa, quantity)))
+            changes.append(abs((one - other) / other))
+    share = 1.0
+    if len(reached) == 3 and orders.edge is not None:
+        share = share_left([1.0 / fineness(run.summary.level) for run in reached[::2]], orders.edge)
+    return replace(found, least=share * max(changes, default=0.0) * abs(tip_at(reached[-1], pressure_kpa, quantity)))

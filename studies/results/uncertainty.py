@@ -117,11 +117,11 @@ def observed_order(sizes: Sequence[float], values: Sequence[float]) -> float | N
 
 def extrapolated(sizes: Sequence[float], values: Sequence[float], order: float) -> float:
     """Limit by the last two values and an order."""
-    return values[-1] + (values[-1] - values[-2]) * _share(sizes, order)
+    return values[-1] + (values[-1] - values[-2]) * share_left(sizes, order)
 
 
-def _share(sizes: Sequence[float], order: float) -> float:
-    """Error of the finest mesh over the difference of the last two."""
+def share_left(sizes: Sequence[float], order: float) -> float:
+    """Error of the last of these meshes over its difference from the last but one, of one order."""
     return float(sizes[-1] ** order / (sizes[-2] ** order - sizes[-1] ** order))
 
 
@@ -145,14 +145,19 @@ def _smooth_of_two(sizes: Sequence[float], values: Sequence[float], nominal: flo
 
 
 def _edge_of_three(sizes: Sequence[float], values: Sequence[float], edge: float, smooth: float) -> Convergence:
-    """Two powers through three values; the doubt is what the smooth part alone would leave at least."""
+    """Two powers through three values.
+
+    The doubt is what the smooth part alone would leave at least, or the edge alone, had it made all of the change from
+    the first mesh to the last: where cells at edges are small its part is too small to be seen in the values.
+    """
     powers = np.array([[1.0, h**edge, h**smooth] for h in sizes])
     limit = float(np.linalg.solve(powers, np.asarray(values))[0])
-    least = abs(values[2] - values[1]) * _share(sizes, smooth)
-    return Convergence(limit, doubt=max(abs(values[2] - limit), least))
+    least = abs(values[2] - values[1]) * share_left(sizes, smooth)
+    most = abs(values[2] - values[0]) * share_left(sizes[::2], edge)
+    return Convergence(limit, doubt=max(abs(values[2] - limit), least, most))
 
 
 def _edge_of_two(sizes: Sequence[float], values: Sequence[float], edge: float, smooth: float) -> Convergence:
     """Midway between the limits by either order; the doubt is the whole error by the lower one."""
     limit = 0.5 * (extrapolated(sizes, values, edge) + extrapolated(sizes, values, smooth))
-    return Convergence(limit, doubt=abs(values[1] - values[0]) * _share(sizes, edge))
+    return Convergence(limit, doubt=abs(values[1] - values[0]) * share_left(sizes, edge))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Literal
 
 from meshes.cells import CellKind
@@ -26,6 +27,9 @@ ON_A_PART: Mapping[str, str] = {
     f"counted by parity classes, S + A {_ITSELF}",
 }
 AS_A_WHOLE = "planes of symmetry: the whole body is solved, "
+# How often cells at a seat's edge are cut, by the thickest wall, mm; triangles, of which there are more through a wall,
+# once less. Thicker walls are off by the rest of their mesh (docs/decisions.md, "Edges of the seats").
+EDGE_CUTS = ((1.0, 2), (1.5, 1))
 
 
 def cell_kind(scene: BellowsScene) -> CellKind:
@@ -34,8 +38,18 @@ def cell_kind(scene: BellowsScene) -> CellKind:
 
 
 def scene_resolution(scene: BellowsScene, refinement: int) -> Resolution:
-    """Numbers of cells of the meridian at a refinement."""
-    return default_resolution(shape_of(scene), refinement, cell_kind(scene))
+    """Numbers of cells of the meridian at a refinement; small ones at the edges of the seats of rigid rings."""
+    kind = cell_kind(scene)
+    return replace(default_resolution(shape_of(scene), refinement, kind), edge_cuts=edge_cuts(scene, kind))
+
+
+def edge_cuts(scene: BellowsScene, kind: CellKind) -> int:
+    """How often cells at the seats' edges are cut: not with meshed rings, nor on adhesive that does not fade out."""
+    rings, wall = scene.rings, scene.geometry.wall_mm
+    if rings.model != "rigid" or (rings.bond == "adhesive" and rings.bond_grading_mm == 0.0):
+        return 0
+    cuts = next((cuts for thickest, cuts in EDGE_CUTS if wall <= thickest), 0)
+    return max(0, cuts - (kind == "triangles"))
 
 
 def scene_meridian(scene: BellowsScene, refinement: int) -> SolidMesh:

@@ -57,6 +57,9 @@ def test_ring_section_and_distance_to_it() -> None:
     assert smallest_gap_to_ring(above, ring).gap_mm == pytest.approx(0.7, rel=1e-12)
     assert smallest_gap_to_ring(inside, ring).gap_mm == pytest.approx(-0.2, rel=1e-12)
     assert smallest_gap_to_ring(np.empty((0, 2)), ring).gap_mm == np.inf
+    # rounded over its whole height a ring has a corner twice: an edge of no length must not swallow the others
+    twice = np.insert(ring, 1, ring[1], axis=0)
+    assert smallest_gap_to_ring(above, twice).gap_mm == smallest_gap_to_ring(above, ring).gap_mm
 
 
 @pytest.mark.parametrize("cells", ["triangles", "quadrilaterals"])

@@ -16,7 +16,7 @@ from studies.report.labels import TIP, model_label
 from studies.report.numbers import rounded_up
 from studies.results.closed_form_rows import closed_form_curve
 from studies.results.rows import REACHED, Row
-from studies.results.runs import Run
+from studies.results.runs import Run, followed
 
 Points = list[tuple[float, float]]
 
@@ -38,9 +38,9 @@ _BESIDE_KPA: Final = (0.45, 0.55)
 def path_curves(
     case: CaseResult, label: str, look: Mapping[str, Any], stopped: Callable[[Run], str] = lambda run: UNNAMED
 ) -> list[Curve]:
-    """Elongation along the finest axisymmetric path, if it was run, from rest on; with a cross where it stopped."""
+    """Elongation along the finest axisymmetric path that was followed, from rest on; with a cross where it stopped."""
     found = []
-    for run in case.axisymmetric[-1:]:
+    for run in followed(case.axisymmetric):
         points = smooth(from_rest((state.pressure_kpa, state.tip_mm) for state in run.path))
         why = "" if run.summary.status == REACHED else stopped(run)
         found.append(curve("axisymmetric", label, points, look, why))

@@ -32,7 +32,7 @@ from studies.paper.results import CaseResult, PaperResults
 from studies.report.curves import Curve, draw_curves, set_pressure_axis
 from studies.report.labels import TIP, model_label
 from studies.report.style import BELOW, BLUE, GREEN, GREY, VERMILION, WINE, entry, figure_file, style_of
-from studies.results.runs import Run
+from studies.results.runs import Run, followed
 from studies.scene.bellows import BellowsScene
 
 WIDTH_IN: Final = 8.2
@@ -118,7 +118,8 @@ def _draw_band(axes: Axes, case: CaseResult) -> None:
     rows = [row for row in series(case.rows, TIP, "axisymmetric") if math.isfinite(row.uncertainty)]
     if not rows or not case.axisymmetric:
         return
-    points = smooth(from_rest((state.pressure_kpa, state.tip_mm) for state in case.axisymmetric[-1].path))
+    (run,) = followed(case.axisymmetric)
+    points = smooth(from_rest((state.pressure_kpa, state.tip_mm) for state in run.path))
     pressures, tips = np.transpose(points)
     half = np.interp(pressures, [0.0, *(r.pressure_kpa for r in rows)], [0.0, *(r.uncertainty for r in rows)])
     colour = style_of("axisymmetric")["color"]

@@ -145,7 +145,7 @@ def test_volume_and_load_answer_each_other_on_a_column_that_leans(strip, sides, 
         mesh, DRAGON_SKIN_10, bodies=plate, cavity=sides.cavity, clamped=sides.bottom, bond=sides.top
     )
     factor, pressure = Factor(problem), 0.012
-    settings = NewtonSettings(relative_tolerance=1e-11, reuse_below=0.0)
+    settings = NewtonSettings(relative_tolerance=1e-11, reuse_below=0.0, reuse_for=0.0)
     report = solve_equilibrium(problem, factor, settings, HeldLoad(pressure))
     assert problem.bonded.plate_volume()[1][:2] @ [1.0, 0.0] > 1.0  # mm^2
     here, volume = problem.get_state(), problem.cavity_volume()

@@ -13,7 +13,7 @@ from solvers.equilibrium.newton import NewtonSettings, solve_equilibrium
 from solvers.errors import SolverError
 from solvers.linear.factor import Factor
 
-TIGHT = NewtonSettings(relative_tolerance=1e-11, reuse_below=0.0)
+TIGHT = NewtonSettings(relative_tolerance=1e-11, reuse_below=0.0, reuse_for=0.0)
 
 
 @pytest.fixture(scope="module")

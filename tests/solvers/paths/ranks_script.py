@@ -72,7 +72,7 @@ def main() -> None:
     assert crossing is not None and crossing.mode is not None
     # one of a law that softens ends where it does
     softening = solver(comm, meridian if comm.rank == 0 else None, Yeoh((0.0222115, 0.0026603, -0.0000735)))
-    ended = follow_path(*softening, [0.1], PathSettings(crossing_tolerance=0.0, smallest_step=1e-2))
+    ended = follow_path(*softening, [0.1], PathSettings(crossing_tolerance=0.0))
     if comm.rank == 0:
         point = path.states[-1]
         rim = np.unique(body.facets[body.facet_tags == FACETS["tip"]])

@@ -18,9 +18,10 @@ def test_one_and_two_ranks_agree(python, cells: str) -> None:
     for name in ("tip_mm", "volume_mm3", "energy_mj", "reaction_n", "body_mm", "min_det_f"):
         # Newton to 1e-11; sums in another order
         assert two[name] == pytest.approx(one[name], rel=1e-9), name
-    # Newton to 1e-8 of the load; the pressure is stationary at the limit point, the volume bisected to 1e-3 of a step
+    # Newton to 1e-8 of the load; the pressure is stationary at the limit point. The volume is bisected to 1e-3 of a
+    # step, between states foreseen from slopes near zero, which Newton's tolerance moves
     assert two["limit_mpa"] == pytest.approx(one["limit_mpa"], rel=1e-8)
-    assert two["limit_mm3"] == pytest.approx(one["limit_mm3"], rel=1e-6)
+    assert two["limit_mm3"] == pytest.approx(one["limit_mm3"], rel=1e-4)
     assert one["modes"] == [0, 1]
     assert one["end"] == two["end"] == "law no longer stable"
     for name in ("end_mpa", "largest_stretch"):

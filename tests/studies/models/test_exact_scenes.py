@@ -268,6 +268,7 @@ def test_exact_crossings_by_kind() -> None:
         ("tube", 'kind = "tube"', 'kind = "tub"', "geometry.kind = 'tub': allowed: 'bellows', 'tube'"),
         ("tube", "inner_radius_mm", "iner_radius_mm", "geometry.iner_radius_mm = 5.0: unknown key; did you mean inner"),
         ("tube", "inner_radius_mm = 5.0", "inner_radius_mm = 8.0", "must be less than outer_radius_mm = 7"),
+        ("tube", "inner_radius_mm = 5.0", "inner_radius_mm = 1e-300", "must be at least 7e-09"),
         ("tube", 'ends = "plane-strain"', 'ends = "open"', "geometry.ends = 'open': allowed"),
         ("tube", "[10.0, 20.0, 30.0]", "[20.0, 10.0]", "must ascend"),
         ("tube", "[10.0, 20.0, 30.0]", "[10.0, 10.00005]", "must ascend strictly, by more than 1e-05"),

@@ -128,16 +128,20 @@ def test_both_parts_of_an_error_are_told_apart(sizes, smooth):
     values = [10.0 + 0.3 * h + smooth * h**3 for h in sizes]
     found = convergence(sizes, values, EDGE)
     assert found.limit == pytest.approx(10.0, abs=1e-12)
-    # the error of a mesh, and once more that of the finest
+    # the error of a mesh, and once more that of the finest, or what an edge alone would leave of the whole change
     errors = [abs(value - 10.0) for value in values]
-    assert [found.uncertainty(v) for v in values] == pytest.approx([e + errors[2] for e in errors], rel=1e-9)
+    doubt = max(errors[2], abs(values[2] - values[0]) * sizes[2] / (sizes[0] - sizes[2]))
+    assert [found.uncertainty(v) for v in values] == pytest.approx([e + doubt for e in errors], rel=1e-9)
 
 
 def test_doubt_does_not_vanish_where_both_parts_cancel():
-    # differences of 9 : 1 put the limit on the finest value; the smooth part alone would leave a seventh of the last
+    # differences of 9 : 1 put the limit on the finest value; an edge alone would leave a third of the whole change
     found = convergence((1.0, 0.5, 0.25), (0.0, 0.9, 1.0), EDGE)
     assert found.limit == pytest.approx(1.0)
-    assert found.uncertainty(1.0) == pytest.approx(0.1 / 7.0)
+    assert found.uncertainty(1.0) == pytest.approx(1.0 / 3.0)
+    # and where the first mesh agrees with the last, the smooth part a seventh of the last difference
+    found = convergence((1.0, 0.5, 0.25), (1.0, 1.1, 1.0), EDGE)
+    assert found.uncertainty(found.limit) >= 0.1 / 7.0
 
 
 def test_two_meshes_hold_whatever_lies_between_both_orders():
