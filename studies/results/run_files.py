@@ -34,7 +34,8 @@ class PathRow:
     the pressure of the limit point that the path has passed before the state, from which a body under pressure snaps.
     ``largest_stretch`` is that of the elastomer at quadrature points, corners where it is singular included.
     ``residual`` is that of the accepted state relative to its load: above 1e-8 where it had stalled
-    (`solvers.equilibrium.newton.NewtonSettings`).
+    (`solvers.equilibrium.newton.NewtonSettings`). ``tip_error_mm`` is what is to be added to ``tip_mm`` for the error
+    of its mesh, as the run itself tells it (`studies.models.errors`).
     """
 
     pressure_kpa: float
@@ -56,6 +57,7 @@ class PathRow:
     limit_kpa: float = math.nan
     residual: float = math.nan
     largest_stretch: float = math.nan
+    tip_error_mm: float = math.nan
 
 
 @dataclass(frozen=True)
