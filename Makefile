@@ -11,7 +11,7 @@ export MPIRUN
 SCENES ?= $(wildcard scenes/*.toml)
 SWEEP ?= sweeps/heung-map.toml
 EXAMPLES ?= paper outline sweep dimensions closed-form exact verification modes branches imperfection contact vacuum \
-    fuzz stability error-model peers cost large stacks
+    fuzz stability dual error-model peers cost large stacks
 
 # --- ranks and threads ----------------------------------------------------------------------
 # One rank: BLAS may use all cores. Several ranks: one thread each, or they fight for the cores. Two ranks
@@ -172,6 +172,10 @@ study-cost: check ## run time against error of every model, mesh and way of step
 .PHONY: study-error-model
 study-error-model: check ## fit what meshes leave of error and take of time; ten scenes to check it -> results/error-model
 	$(LAUNCH) -m studies study error-model --out results/error-model
+
+.PHONY: study-dual
+study-dual: check ## errors that one mesh tells of itself beside true ones, twenty scenes -> results/dual
+	$(LAUNCH) -m studies study dual --out results/dual
 
 .PHONY: study-branches
 study-branches: check ## paths whose volume turns back, branches beyond buckling, squirm of a blocked bellows -> results/branches

@@ -152,7 +152,9 @@ class Problem:
         """
         degree, bodies, bond = self.quadrature_degree, self.bodies, self.surfaces.bond
         kind, loaded = self.surfaces.load
-        ds = self.domain.ds(degree=degree)
+        # of a higher degree the load is a potential, as its form is, only if both are integrated exactly
+        richer = self.element.displacement_degree > 2
+        ds = self.domain.ds(degree=3 * self.element.displacement_degree - 1 if richer else degree)
         solid = build_forms(self.space, self.state, kin, self.parts, self.stiff, self._measures.get(STIFF))
         internal, energy = solid.internal_force, solid.energy
         self.load = Load(kind, ds(loaded), self.unknowns, kin, self.pressure, self.timer)

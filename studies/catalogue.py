@@ -27,6 +27,7 @@ STUDIES: Mapping[str, str] = {
     "vacuum": "studies.vacuum.study",
     "cost": "studies.cost.study",
     "peers": "studies.peers.study",
+    "dual": "studies.dual.study",
     "error-model": "studies.cost.error_model.study",
     "large": "studies.large.study",
     "stacks": "studies.stacks.study",

@@ -268,11 +268,12 @@ def make_problem():
         element=None,
         frame=None,
         others=None,
+        quadrature_degree=None,
         **surfaces,
     ):
         cells = np.ones(len(mesh.cells), dtype=np.int64) if regions is None else regions
         domain = create_domain(MPI.COMM_SELF, dataclasses.replace(mesh, regions=cells))
-        given = {"frame": frame, "others": others}
+        given = {"frame": frame, "others": others, "quadrature_degree": quadrature_degree}
         return Problem(domain, law, inverse_kappa, Surfaces(**surfaces), stiff, bodies, element, **given)
 
     return make

@@ -41,7 +41,8 @@ class Unknowns:
     owned, local
         Numbers of this rank's dofs, and of those with the ghosts.
     u_dofs
-        Local displacement dofs of each local geometry node, shape (n, d), -1 where it has none.
+        Local displacement dofs of each local geometry node, shape (n, d), -1 where it has none. Degrees other than 2
+        share the corners with the geometry.
     p_dofs
         Local pressure dofs. A continuous pressure belongs to corner nodes, shape (n,), -1 elsewhere; one with jumps
         or between materials to cells, shape (owned cells, k).
@@ -81,9 +82,9 @@ class Unknowns:
         self.bodies_mm = np.zeros(held_motions.shape)
         self.held_bodies, self.extra = held_motions.ravel(), held_motions.size
         self._frame = np.eye(self.dimension) if frame is None else frame
-        # linear displacements at the quadratic nodes, for callers who expect a value at every node
-        linear = compat.element("Lagrange", mesh.ufl_cell(), 1)
-        self._linear_at_nodes = compat.basis_at(linear, compat.node_positions(domain.cell_name))
+        # displacements of another degree at the quadratic nodes, for callers who expect a value at every node
+        own = compat.element("Lagrange", mesh.ufl_cell(), element.displacement_degree)
+        self.at_nodes = compat.basis_at(own, compat.node_positions(domain.cell_name))
 
     def supports_for(self, surfaces: Surfaces) -> Supports:
         """What these surfaces hold of the dofs; every rank calls."""
@@ -96,19 +97,19 @@ class Unknowns:
 
     def _number_pressures(self, fields: Sequence[Sequence[int] | None]) -> None:
         """Pressure dofs, and for those of cells their basis functions at the corners, shape (corners, k)."""
-        domain = self.domain
+        domain, self._p_element = self.domain, compat.sub_elements(self.space.ufl_element())[1]
         on_cells = np.stack([compat.cell_dofs(self.space.sub(1 + k)) for k in range(len(fields))])
         self._at_nodes = self.element.pressure == "continuous" and len(fields) == 1
         if self._at_nodes:
             self.p_dofs = np.full(len(domain.input_node), -1, dtype=np.int64)
-            self.p_dofs[compat.geometry_dofs(domain.mesh)[:, : domain.corners]] = on_cells[0]
+            corners = slice(0, domain.corners)
+            self.p_dofs[compat.geometry_dofs(domain.mesh)[:, corners]] = on_cells[0][:, corners]
             self.pressure_shape: tuple[int, ...] = (domain.nodes,)
         else:
             numbers = domain.cell_tags.values[: on_cells.shape[1]]
             mine = [0 if cells is None else k * np.isin(numbers, cells) for k, cells in enumerate(fields)]
             self.p_dofs = on_cells[sum(mine), np.arange(len(numbers))].astype(np.int64)
-            scalar = compat.sub_elements(self.space.ufl_element())[1]
-            self._p_at_corners = compat.basis_at(scalar, compat.corner_positions(domain.cell_name))
+            self._p_at_corners = compat.basis_at(self._p_element, compat.corner_positions(domain.cell_name))
             self.pressure_shape = (domain.cells, domain.corners)
         self.owned_pressure = np.zeros(self.owned, dtype=bool)
         self.owned_pressure[on_cells[on_cells < self.owned]] = True
@@ -124,13 +125,15 @@ class Unknowns:
             If its pressures or bodies are those of another problem.
         """
         array, domain = self.state.x.array, self.domain
-        known = self.u_dofs[:, 0] >= 0
-        components = state.displacement_mm[domain.input_node[known]] @ np.linalg.inv(self._frame).T
-        for i in range(self.dimension):
-            array[self.u_dofs[known, i]] = components[:, i]
         if state.pressure_mpa.shape != self.pressure_shape:
             raise SolverError(f"state has pressures of shape {state.pressure_mpa.shape}, need {self.pressure_shape}")
-        if self._at_nodes:
+        known = self.u_dofs[:, 0] >= 0
+        components = state.displacement_mm[domain.input_node] @ np.linalg.inv(self._frame).T
+        for i in range(self.dimension):
+            array[self.u_dofs[known, i]] = components[known, i]
+        if self.element.displacement_degree > 2:
+            self._set_richer(components, state.pressure_mpa)
+        elif self._at_nodes:
             corner = self.p_dofs >= 0
             array[self.p_dofs[corner]] = state.pressure_mpa[domain.input_node[corner]]
         else:
@@ -142,6 +145,24 @@ class Unknowns:
         if state.bodies_mm.shape != self.bodies_mm.shape:
             raise SolverError(f"state has bodies of shape {state.bodies_mm.shape}, need {self.bodies_mm.shape}")
         self.bodies_mm[:] = state.bodies_mm
+
+    def _set_richer(self, components: FloatArray, pressure: FloatArray) -> None:
+        """Set a state of the usual element, which a richer one has too, from displacements at the geometry's nodes."""
+        domain, mesh, own = self.domain, self.domain.mesh, self.element.displacement_degree
+        name, cell, geometry = domain.cell_name, mesh.ufl_cell(), compat.geometry_dofs(mesh)
+        points = compat.quadrature_points(name, 10)
+        quadratic, richer = (compat.basis_at(compat.element("Lagrange", cell, k), points) for k in (2, own))
+        linear = compat.element("DPC" if name in ("quadrilateral", "hexahedron") else "DG", cell, 1)
+        of_nodes = np.linalg.pinv(richer) @ quadratic
+        of_corners = np.linalg.pinv(compat.basis_at(self._p_element, points)) @ compat.basis_at(linear, points)
+        of_corners = of_corners @ np.linalg.pinv(compat.basis_at(linear, compat.corner_positions(name)))
+        array = self.state.x.array
+        array[self.cell_u_dofs()] = np.einsum("kn,cni->cki", of_nodes, components[geometry])
+        if self._at_nodes:
+            corners = domain.input_node[geometry[:, : domain.corners]]
+            array[compat.cell_dofs(self.space.sub(1))] = pressure[corners] @ of_corners.T
+        else:
+            self._set_of_cells(pressure[domain.input_cell[: len(self.p_dofs)]] @ of_corners.T)
 
     def _set_of_cells(self, values: FloatArray) -> None:
         """Set the pressures of the owned cells, shape (owned cells, k); what cells share is their mean.
@@ -172,9 +193,9 @@ class Unknowns:
         known = self.u_dofs[:, 0] >= 0
         u = np.zeros((len(known), self.dimension))
         u[known] = array[self.u_dofs[known]] @ self._frame.T
-        if self.element.displacement_degree == 1:
+        if self.element.displacement_degree != 2:
             geometry = compat.geometry_dofs(domain.mesh)
-            u[geometry] = np.einsum("nk,cki->cni", self._linear_at_nodes, u[geometry[:, : domain.corners]])
+            u[geometry] = np.einsum("nk,cki,ji->cnj", self.at_nodes, array[self.cell_u_dofs()], self._frame)
             known = np.isin(np.arange(len(known)), geometry)
         if self._at_nodes:
             at = np.flatnonzero(self.p_dofs >= 0)
@@ -186,6 +207,11 @@ class Unknowns:
             out.displacement_mm[nodes] = values
             out.pressure_mpa[places] = p_values
         return replace(out, bodies_mm=bodies_mm.copy(), load_mpa=load_mpa)
+
+    def cell_u_dofs(self) -> IntArray:
+        """Local displacement dofs of the owned cells, shape (cells, k, d)."""
+        parts = [compat.cell_dofs(self.space.sub(0).sub(i)) for i in range(self.dimension)]
+        return np.stack(parts, axis=-1).astype(np.int64)
 
     def zero(self) -> State:
         """The unloaded reference state."""
@@ -199,5 +225,6 @@ def displacement_dofs(domain: Domain, space: Any, components: int) -> IntArray:
     out = np.full((len(domain.input_node), components), -1, dtype=np.int64)
     for i in range(components):
         dofs = compat.cell_dofs(space.sub(0).sub(i))
-        out[geometry[:, : dofs.shape[1]], i] = dofs
+        shared = dofs.shape[1] if dofs.shape[1] <= geometry.shape[1] else domain.corners
+        out[geometry[:, :shared], i] = dofs[:, :shared]
     return out

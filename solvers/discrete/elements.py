@@ -26,11 +26,14 @@ class Element:
     pressure
         ``continuous``: linear from corner to corner; ``linear``: linear in each reference cell, with jumps;
         ``constant`` in each cell.
+    pressure_degree
+        Of a richer pair, of which ``continuous`` and ``linear`` only say if there are jumps.
     """
 
     name: str
     displacement_degree: int
     pressure: Literal["continuous", "linear", "constant"]
+    pressure_degree: int = 1
 
     def spaces(self, cell: Any, fields: int = 1) -> Any:
         """The mixed UFL element on a UFL cell, with so many pressures.
@@ -49,8 +52,8 @@ class Element:
                 f"are unstable on a {name}: take one of {P2_P1.name}, {P2_P0.name}, {Q2_P1.name}"
             )
         family, degree = {
-            "continuous": ("Lagrange", 1),
-            "linear": ("DPC" if box else "DG", 1),
+            "continuous": ("Lagrange", self.pressure_degree),
+            "linear": ("DPC" if box else "DG", self.pressure_degree),
             "constant": ("DG", 0),
         }[self.pressure]
         displacement = compat.element("Lagrange", cell, self.displacement_degree, (compat.dimension(cell),))
@@ -69,6 +72,12 @@ P1_P0 = Element("P1 plain", 1, "constant")
 # the factor r and few cells make one more degree free. Degree 5 on hexahedra is Gauss' rule of 3 x 3 x 3 points.
 # Measured in docs/decisions.md.
 QUADRATURE_DEGREE = {"triangle": 5, "tetrahedron": 4, "quadrilateral": 5, "hexahedron": 5}
+
+# Pairs with room for what the usual ones leave out, on meridians, and their quadrature: see solvers.estimate.enriched.
+ENRICHED = {
+    "triangle": (Element("P4/P3", 4, "continuous", 3), 9),
+    "quadrilateral": (Element("Q4/P3 discontinuous", 4, "linear", 3), 9),
+}
 
 
 def usual_element(cell_name: str) -> Element:

@@ -31,7 +31,7 @@ from solvers.discrete.domain import create_domain
 from solvers.energy.materials import Material
 from solvers.problem import Problem
 from solvers.state import State
-from studies.models.build import element_of
+from studies.models.build import spaces_of
 from studies.models.users.body import users_body, users_measures
 from studies.planning.bodies import cells_of
 from studies.planning.levels import fineness
@@ -117,8 +117,8 @@ def body_of(scene: BodyScene, model: str, level: str) -> Body:
     return Body(mesh, surfaces, rigid=rigid)
 
 
-def problem_of(scene: BodyScene, body: Body, comm: MPI.Comm) -> Problem:
-    """The boundary value problem; every rank calls with the same body."""
+def problem_of(scene: BodyScene, body: Body, comm: MPI.Comm, richer: bool = False) -> Problem:
+    """The boundary value problem, or a richer one (see `scene_problem`); every rank calls with the same body."""
     mesh, numbers = body.mesh, {}
     if comm.rank == 0:
         numbers = numbers_of_tables(mesh, list(scene.materials))
@@ -141,7 +141,7 @@ def problem_of(scene: BodyScene, body: Body, comm: MPI.Comm) -> Problem:
         body.surfaces,
         None,
         bodies,
-        element_of(scene.mesh),
+        *spaces_of(scene.mesh, domain, richer),
         frame=body.frame,
         others=others,
     )

@@ -18,8 +18,8 @@ from meshes.solid import FACETS, REGIONS, SolidMesh
 from meshes.surface import surface_weights
 from solvers.assembly.surfaces import SOFT, STIFF, Surfaces
 from solvers.bodies.rigid import AXIAL, RigidBodies
-from solvers.discrete.domain import create_domain
-from solvers.discrete.elements import P1_P0, P2_P0, Element
+from solvers.discrete.domain import Domain, create_domain
+from solvers.discrete.elements import ENRICHED, P1_P0, P2_P0, Element
 from solvers.problem import Problem
 from solvers.stability.parity import Plane, symmetric_class
 from solvers.state import State, pressure_at_corners
@@ -55,8 +55,19 @@ def element_of(mesh: Mesh) -> Element | None:
     return {"tet-p0": P2_P0, "tet-p1": P1_P0}.get(mesh.element)
 
 
-def scene_problem(scene: BellowsScene, mesh: SolidMesh | None, comm: MPI.Comm) -> Problem:
-    """The boundary value problem of a scene on a mesh that rank 0 holds; every rank calls."""
+def spaces_of(mesh: Mesh, domain: Domain, richer: bool) -> tuple[Element | None, int | None]:
+    """Spaces and their quadrature degree, None for the usual ones; or a richer pair, for `solvers.estimate`."""
+    return ENRICHED[domain.cell_name] if richer else (element_of(mesh), None)
+
+
+def scene_problem(scene: BellowsScene, mesh: SolidMesh | None, comm: MPI.Comm, richer: bool = False) -> Problem:
+    """The boundary value problem of a scene on a mesh that rank 0 holds; every rank calls.
+
+    Parameters
+    ----------
+    richer
+        On a meridian: with a richer pair of spaces, which tells the error of the usual one.
+    """
     material_numbers = None
     if mesh is not None:
         numbers = np.where(mesh.regions == REGIONS["ring"], STIFF, SOFT)
@@ -101,7 +112,8 @@ def scene_problem(scene: BellowsScene, mesh: SolidMesh | None, comm: MPI.Comm) -
         blocked=FACETS["tip"] if scene.blocked and not plate else None,
     )
     law = law_of(scene.material)
-    return Problem(domain, law, inverse_kappa(scene.material), surfaces, stiff, bodies, element_of(scene.mesh))
+    spaces = spaces_of(scene.mesh, domain, richer)
+    return Problem(domain, law, inverse_kappa(scene.material), surfaces, stiff, bodies, *spaces)
 
 
 def _ring_count(scene: BellowsScene) -> int:

@@ -14,10 +14,11 @@ from solvers.atomic import write_atomically
 from solvers.paths.orders import UNSTABLE
 from studies.models.axisymmetric import run_axisymmetric
 from studies.models.closed_form import run_closed_form
+from studies.models.errors.runs import with_errors
 from studies.models.finer.start import Coarser
 from studies.models.full3d import SolidModel, run_full3d
 from studies.models.modes import COUNTED_LEVELS
-from studies.models.run_log import WARNING, scene_notes
+from studies.models.run_log import WARNING, on_first_rank, scene_notes
 from studies.models.tolerance import Shortfall, asked_of, finer_body, first_body, marked, shortfalls, until_good_enough
 from studies.models.tolerance import sentence as shortfall_sentence
 from studies.planning.bodies import models_of
@@ -263,7 +264,10 @@ def _bellows_runs(scene: BellowsScene, plan: Plan, folder: Path, comm: MPI.Comm,
         return good_meridian(scene, runs, plan.body_levels) is not None
 
     def solve(level: str, before: Run | None) -> Run:
-        return _flat(scene, level, before, folder, comm, progress)
+        run = _flat(scene, level, before, folder, comm, progress)
+        if plan.one_mesh and before is None:
+            return on_first_rank(comm, lambda: with_errors(scene, folder / f"axisymmetric-{level}", run))
+        return run
 
     flat = plan if plan.model == "axisymmetric" else plan.as_fixed()
     runs = until_good_enough(flat, solve, good_enough, "axisymmetric")

@@ -54,10 +54,30 @@ def plan_bellows(
     fixed = every_level or bool(around or sectors)
     finer = () if fixed else tuple(f"r{m}" for m in FINER_MERIDIANS)
     if chosen == "axisymmetric":
-        return Plan(chosen, levels, stop_when_met, tuple(skipped), finer=finer, fixed=fixed, choice=choice)
+        return Plan(
+            chosen,
+            levels,
+            stop_when_met,
+            tuple(skipped),
+            finer=finer,
+            fixed=fixed,
+            choice=choice,
+            one_mesh=stop_when_met and coarsest == MERIDIANS[0] and tells_its_error(scene),
+        )
     rounds = around or (around_for(scene, chosen),)
     skipped += _left_out_in_3d(scene, chosen, rounds, bool(around))
     return Plan(chosen, levels, stop_when_met, tuple(skipped), rounds, sectors, finer=finer, fixed=fixed, choice=choice)
+
+
+def tells_its_error(scene: BellowsScene) -> bool:
+    """True for scenes whose estimates on r1 ``make study-dual`` has held against finer meshes.
+
+    Not among them: meshed rings, layers as bonds, plates and forces at the tip, vacuum.
+    """
+    g, rings, load = scene.geometry, scene.rings, scene.load
+    as_moulded = g.tip == "cap" and rings.model == "rigid" and rings.bond == "rigid"
+    usual_elements = scene.mesh.element in ("auto", "hex", "tet")
+    return as_moulded and usual_elements and load.tip == "free" and load.sense > 0.0
 
 
 def _refuse(scene: BellowsScene, model: Model) -> None:

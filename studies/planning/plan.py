@@ -20,7 +20,8 @@ class Plan:
         Meshes, coarsest first: of a bellows the meridians of the axisymmetric runs, of a simple body those of its
         model, the last of which is the answer.
     stop_when_met
-        True to leave out levels beyond the second once those before hold the scene's tolerance, or a 3D body's share.
+        True to leave out levels beyond the second, or with `one_mesh` the first, once those before hold the scene's
+        tolerance, or a 3D body's share.
     skipped
         What is not computed and why, a sentence each.
     around_levels
@@ -37,6 +38,8 @@ class Plan:
         True if the meshes are chosen for another purpose than the scene's tolerance: nothing is judged by it.
     choice
         The mesh that the error model proposes and what it expects of it; None where it knows nothing of the scene.
+    one_mesh
+        True if the first mesh tells its own error: the second is then solved only if that is too large.
     """
 
     model: Model
@@ -49,11 +52,14 @@ class Plan:
     finer: tuple[str, ...] = ()
     fixed: bool = False
     choice: Choice | None = None
+    one_mesh: bool = False
 
     @property
     def certain(self) -> tuple[str, ...]:
         """Levels that are solved in any case."""
-        return self.levels[:2] if self.stop_when_met else self.levels
+        if not self.stop_when_met:
+            return self.levels
+        return self.levels[: 1 if self.one_mesh else 2]
 
     @property
     def perhaps(self) -> tuple[str, ...]:

@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import cast
 
+import numpy as np
+
 from studies.planning.error_model import (
     cells_of,
     checked_error_percent,
@@ -15,7 +17,7 @@ from studies.planning.error_model import (
 )
 from studies.planning.levels import MERIDIANS, Model, body_level, fineness
 from studies.results.rows import Row, row
-from studies.results.runs import Run, of_model, tip_at
+from studies.results.runs import Run, of_model, own_errors_percent, tip_at
 from studies.scene.bellows import BellowsScene
 
 PREDICTED_ERROR, CHECKED_ERROR = "predicted_error_percent", "checked_error_percent"
@@ -38,11 +40,13 @@ def expectation_rows(scene: BellowsScene, runs: Sequence[Run]) -> list[Row]:
     """
     axisymmetric = of_model(runs, "axisymmetric")
     bodies = [run for run in runs if run.summary.model != "axisymmetric"]
-    if not knows(scene) or len(axisymmetric) < 2 or any(_meridian(run) not in MERIDIANS for run in runs):
+    if not knows(scene) or not axisymmetric or any(_meridian(run) not in MERIDIANS for run in runs):
         return []
     answer = runs[-1]
     model, level = _model(answer), answer.summary.level
     checked = _checked_percent(scene, axisymmetric, _meridian(answer))
+    if math.isnan(checked) and len(axisymmetric) < 2:
+        return []
     if bodies:
         checked += _around_percent(scene, answer, axisymmetric)
     found = {
@@ -79,7 +83,9 @@ def _tips(scene: BellowsScene, run: Run) -> list[float]:
 
 
 def _checked_percent(scene: BellowsScene, axisymmetric: Sequence[Run], meridian: int) -> float:
-    """Error that a meridian leaves, as the level before shows it, or of the first level the one after."""
+    """Error that a meridian leaves, as the level before shows it, or of the first level the one after, or itself."""
+    if len(axisymmetric) < 2:
+        return float(np.max(own_errors_percent(axisymmetric[0])))
     levels = [_meridian(run) for run in axisymmetric]
     at = levels.index(meridian)
     beside = axisymmetric[at - 1 if at else 1]

@@ -36,7 +36,8 @@ class PathRow:
     ``largest_stretch`` is that of the elastomer at quadrature points, corners where it is singular included.
     ``residual`` is that of the accepted state relative to its load: above 1e-8 where it had stalled
     (`solvers.equilibrium.newton.NewtonSettings`). ``whole_residual`` is that of the whole body in the mirrored state,
-    where it was solved on a part.
+    where it was solved on a part. ``tip_error_mm`` is what is to be added to ``tip_mm`` for the error of its mesh, as
+    the run itself tells it (`studies.models.errors`).
     """
 
     pressure_kpa: float
@@ -59,6 +60,7 @@ class PathRow:
     residual: float = math.nan
     largest_stretch: float = math.nan
     whole_residual: float = math.nan
+    tip_error_mm: float = math.nan
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from studies.planning.levels import fineness
 from studies.results import provenance
 from studies.results.rows import AFTER_SNAP, REACHED, Row, row
 from studies.results.run_files import PathRow, RunSummary, read_path, read_summary, write_text_atomically
-from studies.results.uncertainty import EDGE_ORDER, Convergence, Orders, convergence, share_left
+from studies.results.uncertainty import EDGE_ORDER, UNKNOWN, Convergence, Orders, convergence, share_left
 from studies.scene.bellows import TipQuantity, on_meridian
 from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import MeshGeometry
@@ -22,6 +22,9 @@ from studies.scene.load import Scene
 MEASURED_FILE = "measured.json"
 # Orders to expect of what is read off a bellows. In the meridian quadratic elements give 3 for the smooth part; the
 # edges of the seats and the clamped end are singular. Round the circumference all is smooth.
+# By so much what a mesh tells of its own error is multiplied, and it is never believed to less than so many percent:
+# errors of either sign cancel at some pressure, and what is left there is not told (make study-dual).
+OWN_SAFETY, OWN_LEAST_PERCENT = 2.0, 0.1
 MERIDIAN_ORDERS, AROUND_ORDERS = Orders(3.0, EDGE_ORDER), Orders(4.0)
 
 
@@ -170,7 +173,7 @@ def run_convergence(runs: Sequence[Run], values: Sequence[float], orders: Orders
 def tip_convergence(
     runs: Sequence[Run], pressure_kpa: float, orders: Orders, quantity: TipQuantity = "tip_mm"
 ) -> Convergence:
-    """Convergence of the tip over the finest levels (three, or two) that reached a pressure.
+    """Convergence of the tip over the finest levels (three, or two) that reached a pressure; of one as it tells itself.
 
     Meshes may agree by accident where their tips cross on the way. So at a pressure the uncertainty is at least what
     the largest relative change from the first mesh to the last, over all pressures that both reached, tells of an edge:
@@ -178,6 +181,8 @@ def tip_convergence(
     """
     found = run_convergence(runs, [tip_at(run, pressure_kpa, quantity) for run in runs], orders)
     reached = [run for run in runs if not math.isnan(tip_at(run, pressure_kpa, quantity))][-3:]
+    if len(reached) == 1 and quantity == "tip_mm":
+        return _of_one(reached[0], pressure_kpa)
     if len(reached) < 2 or (len(reached) == 3 and orders.edge is None):
         return found
     changes = []
@@ -189,3 +194,21 @@ def tip_convergence(
     if len(reached) == 3 and orders.edge is not None:
         share = share_left([1.0 / fineness(run.summary.level) for run in reached[::2]], orders.edge)
     return replace(found, least=share * max(changes, default=0.0) * abs(tip_at(reached[-1], pressure_kpa, quantity)))
+
+
+def own_errors_percent(run: Run) -> list[float]:
+    """Sizes of the errors that a run tells of its own tips, percent; NaN where it tells none."""
+    return [100.0 * abs(row.tip_error_mm / row.tip_mm) for row in run.requested]
+
+
+def _of_one(run: Run, pressure_kpa: float) -> Convergence:
+    """What a run's own mesh tells of the tip's error, unknown if any requested pressure is without.
+
+    The estimate is within a factor of `OWN_SAFETY` of the error but where it passes zero on the way: it counts as no
+    less than the largest, in parts of the tip's displacement.
+    """
+    errors, entry = own_errors_percent(run), run.at(pressure_kpa)
+    if entry is None or any(map(math.isnan, errors)):
+        return UNKNOWN
+    least = 0.01 * max(OWN_SAFETY * max(errors), OWN_LEAST_PERCENT) * abs(entry.tip_mm)
+    return Convergence(entry.tip_mm + entry.tip_error_mm, OWN_SAFETY, least=least)

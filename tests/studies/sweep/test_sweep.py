@@ -240,7 +240,7 @@ def test_a_killed_sweep_goes_on(python, done, tmp_path) -> None:
     process.send_signal(signal.SIGKILL)
     process.communicate()
     first = {path: path.stat().st_mtime_ns for path in out.glob("scenes/*/*/summary.json")}
-    assert 4 <= len(first) < 2 * SOLVED  # killed in between
+    assert 2 <= len(first) < SOLVED  # killed in between
     python.run(1, SCRIPT, done.file, out)
     assert (out / "sweep.csv").read_bytes() == (done.out / "sweep.csv").read_bytes()
     assert {path: path.stat().st_mtime_ns for path in first} == first

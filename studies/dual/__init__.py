@@ -1,0 +1,1 @@
+"""Estimated errors beside true ones."""

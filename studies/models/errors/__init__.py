@@ -1,0 +1,1 @@
+"""Discretisation errors that a run's own mesh tells."""
