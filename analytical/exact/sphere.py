@@ -224,7 +224,7 @@ def _pressure_slope(sphere: Sphere, law: IsotropicLaw, inner_stretch: ArrayLike)
         return 2.0 * _hoop_minus_radial(law, stretch) / (stretch**3 * (stretch**3 - 1.0))
 
     # An exponential law is infinite before limit points are sought no further: no sign there, hence no limit point.
-    with np.errstate(invalid="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):
         return density(inner) - cubed * density(outer)
 
 

@@ -77,7 +77,8 @@ def tells_its_error(scene: BellowsScene) -> bool:
     g, rings, load = scene.geometry, scene.rings, scene.load
     as_moulded = g.tip == "cap" and rings.model == "rigid" and rings.bond == "rigid"
     usual_elements = scene.mesh.element in ("auto", "hex", "tet")
-    return as_moulded and usual_elements and load.tip == "free" and load.sense > 0.0
+    free = load.tip == "free" and not load.tip_force_n
+    return as_moulded and usual_elements and free and load.sense > 0.0
 
 
 def _refuse(scene: BellowsScene, model: Model) -> None:

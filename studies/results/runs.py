@@ -197,8 +197,8 @@ def tip_convergence(
 
 
 def own_errors_percent(run: Run) -> list[float]:
-    """Sizes of the errors that a run tells of its own tips, percent; NaN where it tells none."""
-    return [100.0 * abs(row.tip_error_mm / row.tip_mm) for row in run.requested]
+    """Sizes of the errors that a run tells of its own tips, percent; NaN where it tells none, or of no displacement."""
+    return [100.0 * abs(row.tip_error_mm / row.tip_mm) if row.tip_mm else math.nan for row in run.requested]
 
 
 def _of_one(run: Run, pressure_kpa: float) -> Convergence:

@@ -17,7 +17,7 @@ from studies.models.errors.runs import with_errors
 from studies.planning.planner import make_plan
 from studies.progress import Progress
 from studies.results import provenance
-from studies.results.runs import MERIDIAN_ORDERS, Run, read_run, tip_convergence
+from studies.results.runs import MERIDIAN_ORDERS, Run, own_errors_percent, read_run, tip_convergence
 from studies.scene.bellows import BellowsScene
 from studies.scene.load import load_bellows
 
@@ -70,6 +70,12 @@ def test_without_a_richer_equilibrium_nothing_is_certain(
     assert math.isnan(tip_convergence([told], 10.0, MERIDIAN_ORDERS).uncertainty(told.path[-1].tip_mm))
 
 
+def test_a_tip_that_does_not_move_has_no_relative_error(runs: tuple[Path, list[Run]]) -> None:
+    coarse = runs[1][0]
+    held = tuple(dataclasses.replace(row, tip_mm=0.0, tip_error_mm=0.0) for row in coarse.path)
+    assert all(map(math.isnan, own_errors_percent(dataclasses.replace(coarse, path=held))))
+
+
 def changed(**tables: dict[str, object]) -> BellowsScene:
     given = {table: getattr(SCENE, table).model_copy(update=values) for table, values in tables.items()}
     return SCENE.model_copy(update=given)
@@ -79,6 +85,7 @@ def test_only_scenes_of_kinds_that_were_compared_have_one_mesh() -> None:
     assert make_plan(SCENE).one_mesh and make_plan(SCENE).certain == ("r1",)
     others = [
         changed(load={"tip": "blocked"}),
+        changed(load={"tip_force_n": 0.1}),
         changed(load={"pressure_kpa": [-1.0]}),
         changed(rings={"model": "meshed"}),
         changed(rings={"bond": "adhesive"}),
