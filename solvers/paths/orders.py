@@ -28,6 +28,8 @@ HOPELESS = (Cause.OUT_OF_MEMORY, Cause.MATERIAL_RANGE, Cause.LAW_SOFTENS, Cause.
 REMEDY = '; load.order = "pressure-first" brings the pressure on before the force'
 # Begins what is told of a pressure at which the force could not be brought on.
 MISSED = "no state at "
+# Begins what a path tells of the order of its loads.
+LOADS = "loads: "
 # Begins what is told of a state that the model itself counts as unstable.
 UNSTABLE = "warning: unstable"
 
@@ -117,7 +119,7 @@ def follow_loads(
         place = (0 if resume is None else resume.reached) + sum(item.asked for item in path.states)
         if path.reached or order == "force-first" or path.cause in HOPELESS:
             return path
-        tell(f"loads: {path.reason}; from {job.kpa(place)} on brought on anew")
+        tell(f"{LOADS}{path.reason}; from {job.kpa(place)} on brought on anew")
     while place < len(pressures_mpa):
         memory = _lifted(job, place, order == "together", touches)
         place += 1
@@ -128,7 +130,7 @@ def follow_loads(
         if path.cause in HOPELESS:
             return path
         if not path.reached:
-            tell(f"loads: {path.reason}; from {job.kpa(place)} on brought on anew")
+            tell(f"{LOADS}{path.reason}; from {job.kpa(place)} on brought on anew")
     return Path(path.states, True, "", path.rejected, Cause.REACHED, path.crossing)
 
 
@@ -187,7 +189,7 @@ def _lifted(job: _Job, place: int, together: bool, touches: Callable[[PathState]
         job.show(item)
     last = replace(states[-1], asked=True)
     job.show(last)
-    job.tell(f"loads: {job.force_n:g} N brought on {how} at {at}")
+    job.tell(f"{LOADS}{job.force_n:g} N brought on {how} at {at}")
     unstable, crushed = last.newton.excess_negatives, touches(last)
     if unstable:
         job.tell(f"{UNSTABLE} under {job.force_n:g} N at {at}: {unstable} modes of the model's own")

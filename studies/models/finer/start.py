@@ -14,6 +14,7 @@ from pathlib import Path
 
 from meshes.errors import MeshError
 from meshes.solid import SolidMesh
+from solvers.paths.orders import LOADS
 from solvers.paths.states import GuessMemory, PathMemory, PathSettings, PathState
 from solvers.paths.states import Path as EquilibriumPath
 from solvers.paths.warm_start import follow_guesses
@@ -100,6 +101,7 @@ def follow_from(
 
     if log.memory is None:
         log.notes.append(f"{STARTED}each from the state on {coarser.level}; the path between them is that mesh's")
+        log.notes += [note for note in coarser.run.summary.plan if note.startswith(LOADS)]
     try:
         carry = Prolongation(coarse_mesh(), log.mesh)
         path = follow_guesses(
@@ -123,7 +125,7 @@ def follow_from(
 
 def _path_notes(log: Log) -> list[str]:
     """Notes of a run that follows its path."""
-    return [note for note in log.notes if not note.startswith(STARTED)]
+    return [note for note in log.notes if not note.startswith((STARTED, LOADS))]
 
 
 def _read(coarser: Coarser, log: Log) -> list[State] | None:

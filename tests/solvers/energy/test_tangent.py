@@ -90,8 +90,9 @@ class Line:
         self.problem.state.x.array[:] = self.start + h * self.dofs
         if self.problem.bonded is not None:
             step = h * self.bodies.reshape(self.start_bodies.shape)
-            self.problem.bonded.values[:] = moved(self.start_bodies, step, ARM_MM)
-            self.problem.bonded.update(np.zeros(0))
+            bonded = self.problem.bonded
+            bonded.values[:] = moved(self.start_bodies, step, ARM_MM, bonded.motions)
+            bonded.update(np.zeros(0))
 
     def residual(self, h: float) -> np.ndarray:
         self.go(h)

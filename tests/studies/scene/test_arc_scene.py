@@ -23,7 +23,7 @@ def test_sphere_by_arc_length_and_by_volume(tmp_path: Path) -> None:
         out = tmp_path / control
         done = CliRunner().invoke(main, ["solve", str(scene), "--out", str(out), "--model", "axisymmetric"])
         assert done.exit_code == 0, done.output
-        paths[control] = read_path(out)
+        paths[control] = read_path(out / "axisymmetric-r1")  # finer meshes start from its states
     asked = {c: [row for row in rows if row.status == "requested"] for c, rows in paths.items()}
     assert [r.pressure_kpa for r in asked["arc"]] == [r.pressure_kpa for r in asked["volume"]]
     for a, b in zip(asked["arc"], asked["volume"], strict=True):
