@@ -44,9 +44,16 @@ def scene_resolution(scene: BellowsScene, refinement: int) -> Resolution:
 
 
 def edge_cuts(scene: BellowsScene, kind: CellKind) -> int:
-    """How often cells at the seats' edges are cut: not with meshed rings, nor on adhesive that does not fade out."""
+    """How often cells at the seats' edges are cut: not with meshed rings, nor on adhesive that does not fade out.
+
+    Nor in a zigzag, whose sharp folds strain the small cells so far that steps fail by the hundred.
+    """
     rings, wall = scene.rings, scene.geometry.wall_mm
-    if rings.model != "rigid" or (rings.bond == "adhesive" and rings.bond_grading_mm == 0.0):
+    if (
+        scene.geometry.profile == "zigzag"
+        or rings.model != "rigid"
+        or (rings.bond == "adhesive" and rings.bond_grading_mm == 0.0)
+    ):
         return 0
     cuts = next((cuts for thickest, cuts in EDGE_CUTS if wall <= thickest), 0)
     return max(0, cuts - (kind == "triangles"))

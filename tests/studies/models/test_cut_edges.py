@@ -50,6 +50,7 @@ def scene_of(wall_mm: float = 1.0, element: str = "hex", **rings: object) -> Bel
         (scene_of(1.0, bond="adhesive", bond_grading_mm=0.0), 0),
         (scene_of(1.0, "tet", model="meshed"), 0),
         (scene_of(1.0, model="none"), 0),
+        (load_bellows(SCENES / "zigzag" / "heung-t1-ri5.toml"), 0),
     ],
 )
 def test_who_has_cut_cells(scene: BellowsScene, cuts: int) -> None:
