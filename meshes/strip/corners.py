@@ -6,9 +6,8 @@ outside. In them cells have straight sides, so that a cell is its four corners, 
 vertex and two beside it. The two edges away from the vertex stay whole, so that nothing propagates and neighbours that
 share the vertex agree.
 
-Finer levels cut off one more corner and then divide all cells. The other order would leave cells at the vertex that are
-narrow towards it and not divided, which cost more than the corner gains; docs/decisions.md has both. So each level has
-the coarser one's cells cut into pieces: levels are nested.
+All levels have the same cuts, which come first; a finer level then divides every cell. So levels are nested. The other
+order, and more cuts on finer levels, were tried: docs/decisions.md, "Edges of the seats".
 """
 
 from __future__ import annotations
@@ -103,5 +102,8 @@ def number_nodes(cells: FloatArray) -> tuple[FloatArray, IntArray]:
     """
     half = 0.5 * np.stack(np.meshgrid(np.arange(3), np.arange(3), indexing="ij"), axis=-1).reshape(-1, 2)
     every = positions_in(cells, half).reshape(-1, 2)
+    # Thirds do not add up to whole numbers: a node past the end of its stretch by round-off would be on the next one.
+    whole = np.round(every)
+    every = np.where(np.abs(every - whole) < 10.0**-DIGITS, whole, every)
     _, first, back = np.unique(np.round(every, DIGITS), axis=0, return_index=True, return_inverse=True)
     return every[first], back.reshape(len(cells), 9).astype(np.int64)

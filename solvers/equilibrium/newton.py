@@ -204,7 +204,10 @@ def _converges(settings: NewtonSettings, error: float, new_error: float) -> bool
 def _rate(problem: Problem, toward: Joint) -> State | None:
     """A change with the load factor in the caller's numbering, where it can be gone along: see `NewtonReport.rate`."""
     bonded = problem.bonded
-    turns = 0.0 if bonded is None else float(np.abs(bonded.values[:, 3:]).max(initial=0.0)) / bonded.arm_mm
+    turns = 0.0
+    if bonded is not None:
+        rotations = [k for k, motion in enumerate(bonded.motions) if motion >= 3]
+        turns = float(np.abs(bonded.values[:, rotations]).max(initial=0.0)) / bonded.arm_mm
     return problem.unknowns.rate(*toward) if turns <= TURNED and problem.contact is None else None
 
 

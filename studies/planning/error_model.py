@@ -2,9 +2,9 @@
 
 The error that a meridian leaves is a constant per level and a power of each of a few features of the scene, fitted to
 axisymmetric runs of made-up bellows; what the cells round the circumference leave is a power of their number. Times are
-powers of the number of unknowns, from the cost study. ``make study-error-model`` repeats the fits and checks
-them on ten scenes that they have not seen. Once two levels of the scene itself are solved, `checked_error_percent`
-replaces the guess.
+powers of the number of unknowns, from the cost study. ``make study-error-model`` makes such fits and checks them on ten
+scenes that they have not seen; those here are of another reference, see `FITS`. Once two levels of the scene itself are
+solved, `checked_error_percent` replaces the guess.
 """
 
 from __future__ import annotations
@@ -106,7 +106,9 @@ class Choice:
     within: bool
 
 
-# From make study-error-model.
+# Of tips on r1, r2 and r4 against r4 with four cuts at the seats' edges, on the training set of make study-error-model;
+# that study takes r8 for the limit, has not been run since cells are cut, and will give other constants
+# (docs/decisions.md, "Edges of the seats").
 FITS: dict[Cells, Fit] = {
     "hex": Fit(
         constants=(-2.171, -3.721, -4.318),
@@ -125,7 +127,7 @@ FITS: dict[Cells, Fit] = {
 }
 # The larger of two 1 and 2 mm walls at 20 kPa (docs/decisions.md) and of peer-bellows (cost study).
 AROUND: dict[Cells, Around] = {"hex": Around(0.07, 8, 4.0), "tet": Around(0.2, 8, 3.4)}
-# From make study-error-model, with the rows of make study-cost.
+# From make study-error-model, with the rows of make study-cost, both before cells were cut and tangents had places.
 SECONDS: dict[tuple[Model, Cells], Seconds] = {
     ("axisymmetric", "hex"): Seconds(0.00604, 0.591),
     ("axisymmetric", "tet"): Seconds(0.000963, 0.831),

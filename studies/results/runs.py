@@ -20,11 +20,11 @@ from studies.scene.body_geometry import MeshGeometry
 from studies.scene.load import Scene
 
 MEASURED_FILE = "measured.json"
-# Orders to expect of what is read off a bellows. In the meridian quadratic elements give 3 for the smooth part; the
-# edges of the seats and the clamped end are singular. Round the circumference all is smooth.
 # By so much what a mesh tells of its own error is multiplied, and it is never believed to less than so many percent:
 # errors of either sign cancel at some pressure, and what is left there is not told (make study-dual).
 OWN_SAFETY, OWN_LEAST_PERCENT = 2.0, 0.1
+# Orders to expect of what is read off a bellows. In the meridian quadratic elements give 3 for the smooth part; the
+# edges of the seats and the clamped end are singular. Round the circumference all is smooth.
 MERIDIAN_ORDERS, AROUND_ORDERS = Orders(3.0, EDGE_ORDER), Orders(4.0)
 
 

@@ -89,3 +89,11 @@ def test_cut_cells_take_most_of_the_error_away(refinement: int, cuts: int, share
     scene = scene_of()
     error, before = (LIMIT_MM - tip_mm(scene, refinement, c) for c in (cuts, 0))
     assert abs(error) < share * before
+
+
+@pytest.mark.parametrize("name", ["heung-t2-ri7", "heung-t1-ri5"])
+@pytest.mark.parametrize("refinement", [3, 5, 6, 7])
+def test_levels_that_divide_by_no_power_of_two_are_sound(name: str, refinement: int) -> None:
+    # thirds do not add up: nodes past the end of a stretch by round-off were on the next one, and cells folded over
+    mesh = scene_meridian(load_bellows(SCENES / f"{name}.toml"), refinement)
+    assert len(mesh.cells) == refinement**2 * len(scene_meridian(load_bellows(SCENES / f"{name}.toml"), 1).cells)
