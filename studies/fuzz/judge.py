@@ -23,6 +23,7 @@ import tomlkit
 
 from studies.fuzz.draws import Draw
 from studies.fuzz.meshfiles import MOVES_MOST
+from studies.planning.levels import LIMIT
 from studies.results.csv_files import read_lines
 from studies.results.rows import NOT_MET, REACHED, Row, misses_tolerance, read_rows
 from studies.scene.bellows import BellowsScene
@@ -144,8 +145,9 @@ def _of_answer(draw: Draw, ended: Ended, out: Path, solve: Solve) -> Outcome:
         if found.keys() >= answers.keys():
             return _held(scene, answers, _values(found), "second model")
         shutil.rmtree(place)
-    level = next(iter(answers.values())).level
-    coarser = answers_of(scene, [row for row in rows if row.level != level])
+    first = next(iter(answers.values()))
+    meshes = list(dict.fromkeys(row.level for row in rows if row.model == first.model and row.level != LIMIT))
+    coarser = answers_of(scene, [row for row in rows if row.level in meshes[:-1]])
     if coarser.keys() >= answers.keys():
         return _held(scene, answers, _values(coarser), "another mesh")
     return Outcome("wrong", f"exit 0, and nothing confirms it: {other.error[-200:]}")

@@ -308,18 +308,14 @@ def _counted(scene: BellowsScene, runs: list[Run], folder: Path, comm: MPI.Comm,
 def _runs_in_3d(
     scene: BellowsScene, plan: Plan, axisymmetric: Sequence[Run], folder: Path, comm: MPI.Comm, progress: Progress
 ) -> list[Run]:
-    """Sectors beside the answer, and the answer's body."""
+    """Bodies on the coarsest meridian that is good enough."""
     assert plan.model == "sector" or plan.model == "full3d"
-    beside = scene.model_copy(update={"ask": scene.ask.model_copy(update={"fields": False})})
     known = [fineness(run.summary.level) for run in axisymmetric]
     meridian = good_meridian(scene, axisymmetric, plan.body_levels) or max(set(known) & set(plan.body_levels))
-    wanted: list[tuple[BellowsScene, SolidModel, BodyLevel]] = []
-    wanted += [(beside, "sector", BodyLevel(n, plan.body_levels[0])) for n in plan.sector_levels]
     bodies = [BodyLevel(n, meridian) for n in plan.around_levels]
     if not plan.fixed:
         bodies = [first_body(scene, plan.model, body, axisymmetric) for body in bodies]
-    wanted += [(scene, plan.model, body) for body in bodies]
-    return [_run_in_3d(of, model, level, plan, folder, comm, progress) for of, model, level in wanted]
+    return [_run_in_3d(scene, plan.model, body, plan, folder, comm, progress) for body in bodies]
 
 
 def _run_in_3d(
@@ -362,7 +358,7 @@ def _refined_in_3d(
 def good_meridian(scene: BellowsScene, axisymmetric: Sequence[Run], levels: Sequence[int]) -> int | None:
     """The first meridian whose error, as the axisymmetric runs show it, is within its share of the tolerance, %.
 
-    None if none is; only levels that have an axisymmetric run.
+    None if none is, or nothing shows it; only levels that have an axisymmetric run.
     """
     allowed, quantity = 0.01 * MERIDIAN_SHARE * scene.ask.tolerance_percent, scene.main_quantity
     for run in (r for r in axisymmetric if fineness(r.summary.level) in levels):
@@ -370,7 +366,8 @@ def good_meridian(scene: BellowsScene, axisymmetric: Sequence[Run], levels: Sequ
         for pressure in scene.load.pressure_kpa:
             value = tip_at(run, pressure, quantity)
             limit = tip_convergence(axisymmetric, pressure, MERIDIAN_ORDERS, quantity).limit
-            errors.append(abs(value - limit) / abs(limit))
-        if all(error <= allowed for error in errors if not math.isnan(error)):
+            if not math.isnan(value) and not (math.isnan(limit) and len(axisymmetric) > 1):
+                errors.append(abs(value - limit) / abs(limit))
+        if all(error <= allowed for error in errors):
             return fineness(run.summary.level)
     return None

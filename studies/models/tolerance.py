@@ -16,6 +16,7 @@ from studies.planning.error_model import predicted_error_percent, predicted_unkn
 from studies.planning.levels import (
     BODY_MERIDIANS,
     FINER_MERIDIANS,
+    LIMIT,
     MERIDIANS,
     MOST_UNKNOWNS,
     BodyLevel,
@@ -59,15 +60,15 @@ class Shortfall:
 
 
 def asked_of(scene: Scene, rows: Sequence[Row], model: str, level: str) -> tuple[Row, ...]:
-    """Rows of a mesh that the tolerance is asked of: the requested quantities, as far as they were reached.
+    """Rows that the tolerance is asked of, as far as reached: requested quantities on a mesh, or, later, its limit.
 
     Of a bellows one quantity is to be found, the other one of its tip is given: a force, or no displacement where it is
     blocked.
     """
     wanted = scene.quantities if isinstance(scene, BodyScene) else (scene.main_quantity,)
     of_model = [row for row in rows if row.model == model and row.quantity in wanted]
-    of_mesh = [row for row in of_model if row.level == level]
-    return tuple(row for row in of_mesh if math.isfinite(row.value) or _missing(row, of_model))
+    best = {(row.quantity, row.pressure_kpa): row for row in of_model if row.level in (level, LIMIT)}
+    return tuple(row for row in best.values() if math.isfinite(row.value) or _missing(row, of_model))
 
 
 def shortfalls(scene: Scene, rows: Sequence[Row], model: str, level: str) -> tuple[Shortfall, ...]:
@@ -230,7 +231,8 @@ def finer_body(
         return None
     level, model = body_level(body.summary.level), cast(Model, body.summary.model)
     worst = max(missed, key=lambda short: short.reached_percent).row
-    of = (worst.quantity, "axisymmetric", f"r{level.meridian}", worst.pressure_kpa)
+    flat_level = LIMIT if worst.level == LIMIT else f"r{level.meridian}"
+    of = (worst.quantity, "axisymmetric", flat_level, worst.pressure_kpa)
     flat = next((r.uncertainty for r in rows if (r.quantity, r.model, r.level, r.pressure_kpa) == of), math.nan)
     if not math.isfinite(worst.uncertainty):
         return None

@@ -8,13 +8,14 @@ both parts are fitted. Where cells round the axis matter too, the limit is the s
 
 from __future__ import annotations
 
+import itertools
 import math
 import statistics
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from studies.paper.results import CaseResult, PaperResults, find
-from studies.planning.levels import fineness, ranking
+from studies.planning.levels import LIMIT, fineness, ranking
 from studies.report.labels import level_label, run_label
 from studies.report.numbers import MISSING, up
 from studies.report.tables import Table, table_of
@@ -126,7 +127,7 @@ def _meridian_checks(case: CaseResult, meridians: Sequence[Run], told: Limit = l
 
 
 def _body_checks(results: PaperResults, case: CaseResult) -> Iterator[Check]:
-    """Of every full 3D mesh, with all meridians and sectors of its case; the limit by those of the audit.
+    """Of every full 3D mesh, with all meridians of its case; the limit by those of the audit.
 
     Tetrahedra and hexahedra lead to one limit.
     """
@@ -149,7 +150,7 @@ def _finer_body_checks(results: PaperResults, case: CaseResult) -> Iterator[Chec
 
 def _body_rows(case: CaseResult) -> Iterator[tuple[Run, list[Row]]]:
     for count, run in enumerate(case.full3d, start=1):
-        yield run, bellows_rows(case.scene, [*case.axisymmetric, *case.sector, *case.full3d[:count]])
+        yield run, bellows_rows(case.scene, [*case.axisymmetric, *case.full3d[:count]])
 
 
 def _targets(case: CaseResult, runs: Sequence[Run], told: Limit, finer_than: int) -> dict[float, Target]:
@@ -165,9 +166,9 @@ def _targets(case: CaseResult, runs: Sequence[Run], told: Limit, finer_than: int
 
 
 def _against(case: CaseResult, rows: Sequence[Row], run: Run, targets: Mapping[float, Target]) -> Iterator[Check]:
-    """Rows of a run against targets at every requested pressure that has both."""
-    for pressure, target in targets.items():
-        row = find(rows, case.scene.main_quantity, run.summary.model, pressure, run.summary.level)
+    """Rows of a run, and of what its meshes lead to, against targets at every requested pressure that has both."""
+    for (pressure, target), level in itertools.product(targets.items(), (run.summary.level, LIMIT)):
+        row = find(rows, case.scene.main_quantity, run.summary.model, pressure, level)
         if math.isfinite(row.value + row.uncertainty + target.value):
             yield Check(case.case.scene, row, target)
 

@@ -52,7 +52,7 @@ class CaseResult:
     ----------
     case, folder, scene_if_run
         Whose; None without a folder.
-    axisymmetric, sector, full3d
+    axisymmetric, full3d
         Runs, coarsest first.
     rows
         Comparison rows of the scene, and what was measured in its axisymmetric states.
@@ -64,7 +64,6 @@ class CaseResult:
     folder: Path = Path()
     scene_if_run: BellowsScene | None = None
     axisymmetric: tuple[Run, ...] = ()
-    sector: tuple[Run, ...] = ()
     full3d: tuple[Run, ...] = ()
     rows: tuple[Row, ...] = ()
     modes_counted: bool = False
@@ -79,7 +78,7 @@ class CaseResult:
     @property
     def runs(self) -> tuple[Run, ...]:
         """All runs."""
-        return (*self.axisymmetric, *self.sector, *self.full3d)
+        return (*self.axisymmetric, *self.full3d)
 
     @property
     def pressures_kpa(self) -> Sequence[float]:
@@ -204,7 +203,7 @@ def read_results(folder: Path, chosen: Iterable[Case]) -> PaperResults:
             rows = (*of.rows, *_measured(place, of))
             counted = [r.summary.level for r in of.axisymmetric if any(state.unstable_by_m for state in r.path)]
             crossings = read_crossings(place / f"axisymmetric-{counted[-1]}") if counted else []
-            runs_ = (of.axisymmetric, of.sector, of.full3d)
+            runs_ = (of.axisymmetric, of.full3d)
             if case.group == "sets":
                 rows = tuple(_of_drawn(case, rows))
             found.append(CaseResult(case, place, of.scene, *runs_, rows, bool(counted), tuple(crossings)))

@@ -34,7 +34,7 @@ from studies.paper.setup import discretisation, silicones, sizes
 from studies.paper.statements import mechanism
 from studies.paper.statements.claims import CANNOT_TELL, JUDGED_IN, about_their_program, claims, claims_table, in_words
 from studies.paper.summary import in_short, notes, silicone_mass, stops
-from studies.planning.bellows import SECTOR_LEVELS, plan_bellows
+from studies.planning.bellows import plan_bellows
 from studies.planning.levels import BODY_MERIDIANS
 from studies.report import scene_tables
 from studies.report.numbers import duration, number_text, rounded_up
@@ -138,9 +138,9 @@ def solve(case: Case, at: Setting) -> None:
         run_full3d(scene, "full3d", level, base, place / f"full3d-{level.name}", at.comm, at.progress, ())
         return
     if case.group in ("core", "zigzag"):
-        plan = plan_bellows(scene, "full3d", CORE_AROUND, SECTOR_LEVELS, every_level=True)
+        plan = plan_bellows(scene, "full3d", CORE_AROUND, every_level=True)
     else:  # beside those, for other elements or a count of modes; finer takes up to 10 GB
-        plan = plan_bellows(scene, "full3d", (), (), every_level=True)
+        plan = plan_bellows(scene, "full3d", every_level=True)
         plan = dataclasses.replace(plan, body_levels=BODY_MERIDIANS[:1])
     run_plan(scene, case_text(case), plan, place, at.comm, at.progress)
 
@@ -165,7 +165,7 @@ def left_out(folder: Path, results: PaperResults) -> list[str]:
         If all are: a report of nothing would take the place of one of them.
     """
     there = len(list(folder.glob(f"*/*/*-*/{SUMMARY_FILE}")))
-    read = sum(len(case.axisymmetric) + len(case.sector) + len(case.full3d) for case in results.cases)
+    read = sum(len(case.axisymmetric) + len(case.full3d) for case in results.cases)
     others = f"{there - read} of {there} runs are of other scenes or other code"
     if there and not read:
         raise SceneError(f"{folder}: {others}: nothing is written; `bellowsx study paper` runs them again")

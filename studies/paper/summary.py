@@ -56,7 +56,7 @@ def _middle(results: PaperResults) -> str:
     if not found:
         return "How far the middle of the closed end goes has not been found."
     gaps = [a.bulge_mm() for a in found]
-    ratios = [a.bulge_mm() / a.best().uncertainty for a in found if a.best().uncertainty > 0.0]
+    ratios = [a.bulge_mm() / a.rim().uncertainty for a in found if a.rim().uncertainty > 0.0]
     times = f", {min(ratios):.0f} to {max(ratios):.0f} times the uncertainty" if ratios else ""
     return (
         f"At {HIGHEST_KPA:g} kPa the middle of the closed end goes {min(gaps):.1f} to {max(gaps):.1f} mm further than "

@@ -20,7 +20,7 @@ TETS: Final = "full 3D, tetrahedra"
 
 def by_model(results: PaperResults) -> Table:
     """Runs, wall time (s) and largest run of each model over all cases."""
-    runs: dict[str, list[RunSummary]] = {label: [] for label in ("axisymmetric", "sector", "full 3D", TETS)}
+    runs: dict[str, list[RunSummary]] = {label: [] for label in ("axisymmetric", "full 3D", TETS)}
     for case in results.cases:
         for run in case.runs:
             in_tets = case.case.group == "tets" and run.summary.model == "full3d"
@@ -75,7 +75,6 @@ def _finest_runs(results: PaperResults) -> dict[str, RunSummary]:
         case = results.named(name)
         models = {
             "axisymmetric": case.axisymmetric,
-            "sector": case.sector,
             "full 3D": case.full3d,
             TETS: results.variant(name, "tets").full3d,
         }

@@ -6,18 +6,15 @@ from studies.planning.error_model import MERIDIAN_SHARE, around_for, choose, kno
 from studies.planning.levels import FINER_MERIDIANS, MERIDIANS, Model
 from studies.planning.plan import Plan, tolerance_lines, ways
 from studies.scene.bellows import RING_ERROR_PERCENT, BellowsScene, in_hexahedra
+from studies.scene.elements import USUAL_ELEMENTS
 from studies.scene.meshes import solved_part, symmetry_note
 from studies.scene.sections import SceneError
-
-# Cells round the circumference from which a sector tells that part of the error, where they share out to a quarter.
-SECTOR_LEVELS = (8, 16, 24)
 
 
 def plan_bellows(
     scene: BellowsScene,
     model: Model | None = None,
     around: tuple[int, ...] = (),
-    sectors: tuple[int, ...] = (),
     every_level: bool = False,
 ) -> Plan:
     """Choose the runs of a bellows.
@@ -30,8 +27,6 @@ def plan_bellows(
         Force this model; None takes the cheapest whose error can be held within the scene's tolerance.
     around
         Numbers of cells round the circumference for 3D; default what the scene's tolerance needs.
-    sectors
-        The same for a sector beside full 3D.
     every_level
         Solve all meridian levels, for the convergence study of a report. Meshes that are said, by this or by numbers of
         cells round, are solved whatever they leave of error: no tolerance is asked of them.
@@ -51,8 +46,9 @@ def plan_bellows(
     stop_when_met = not every_level and (model is None or chosen != "axisymmetric")
     coarsest = meridians_for(choice)[0] if choice is not None and stop_when_met else MERIDIANS[0]
     levels = tuple(f"r{m}" for m in MERIDIANS if m >= coarsest)
-    fixed = every_level or bool(around or sectors)
+    fixed = every_level or bool(around)
     finer = () if fixed else tuple(f"r{m}" for m in FINER_MERIDIANS)
+    one_mesh = stop_when_met and coarsest == MERIDIANS[0] and tells_its_error(scene)
     if chosen == "axisymmetric":
         return Plan(
             chosen,
@@ -62,11 +58,21 @@ def plan_bellows(
             finer=finer,
             fixed=fixed,
             choice=choice,
-            one_mesh=stop_when_met and coarsest == MERIDIANS[0] and tells_its_error(scene),
+            one_mesh=one_mesh,
         )
     rounds = around or (around_for(scene, chosen),)
     skipped += _left_out_in_3d(scene, chosen, rounds, bool(around))
-    return Plan(chosen, levels, stop_when_met, tuple(skipped), rounds, sectors, finer=finer, fixed=fixed, choice=choice)
+    return Plan(
+        chosen,
+        levels,
+        stop_when_met,
+        tuple(skipped),
+        rounds,
+        finer=finer,
+        fixed=fixed,
+        choice=choice,
+        one_mesh=one_mesh,
+    )
 
 
 def tells_its_error(scene: BellowsScene) -> bool:
@@ -76,7 +82,7 @@ def tells_its_error(scene: BellowsScene) -> bool:
     """
     g, rings, load = scene.geometry, scene.rings, scene.load
     as_moulded = g.tip == "cap" and rings.model == "rigid" and rings.bond == "rigid"
-    usual_elements = scene.mesh.element in ("auto", "hex", "tet")
+    usual_elements = scene.mesh.element in USUAL_ELEMENTS
     free = load.tip == "free" and not load.tip_force_n
     return as_moulded and usual_elements and free and load.sense > 0.0
 
@@ -167,10 +173,6 @@ def bellows_lines(scene: BellowsScene, plan: Plan) -> list[str]:
     body = "a quarter in 3D" if plan.model == "sector" else "full 3D"
     cells = "hexahedra" if in_hexahedra(scene) else "tetrahedra"
     meridians = " or ".join(f"r{level}" for level in plan.body_levels)
-    for around in plan.sector_levels:
-        lines.append(
-            f"  a quarter in 3D, {cells}, meridian level r{plan.body_levels[0]}, {around} cells round: {pressures} kPa"
-        )
     for around in plan.around_levels:
         part = solved_part(scene, around)[0] if plan.model == "full3d" else ""
         solved = body + {"sector": " on a quarter", "half": " on a half"}.get(part, "")

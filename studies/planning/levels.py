@@ -1,11 +1,12 @@
 """Models and names of their meshes: ``r4`` is a meridian refined four times, ``n8r2`` a body with 8 cells round on r2.
 
 In a name r refines the meridian, m a user's mesh, and n is the number of cells round the whole circumference (of a
-cube: along an edge).
+cube: along an edge). What meshes lead to has a name of its own, `LIMIT`.
 """
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,6 +16,8 @@ Model = Literal["closed_form", "axisymmetric", "sector", "full3d"]
 MODELS: tuple[Model, ...] = ("closed_form", "axisymmetric", "sector", "full3d")
 # Refinements of a meridian for the error estimate, coarsest first.
 MERIDIANS = (1, 2, 4)
+# In place of a mesh: the value that a model's meshes lead to, better than that of the finest.
+LIMIT = "extrapolated"
 # Finer ones, for a tolerance that those do not hold, as long as they have no more unknowns than `MOST_UNKNOWNS`.
 FINER_MERIDIANS = (8, 16, 32)
 # Up to how many unknowns a mesh is refined for a tolerance: minutes on one core, 6 GB (docs/decisions.md, "Tolerance").
@@ -58,7 +61,9 @@ def fineness(level: str) -> int:
     return int(found[0]) if found else 0
 
 
-def ranking(level: str) -> tuple[int, int]:
-    """By what levels of a model are put in order: refinement of the meridian or mesh, then cells round."""
+def ranking(level: str) -> tuple[float, int]:
+    """By what levels of a model are put in order: refinement, then cells round; `LIMIT` comes last."""
+    if level == LIMIT:
+        return math.inf, 0
     numbers = {letter: int(number) for letter, number in re.findall(r"([rnm])(\d+)", level)}
     return numbers.get("r", numbers.get("m", 1)), numbers.get("n", 0)

@@ -26,8 +26,6 @@ class Plan:
         What is not computed and why, a sentence each.
     around_levels
         Of a bellows: numbers of cells round the circumference of the 3D runs; empty for none.
-    sector_levels
-        The same of a sector beside full 3D, for the circumference's part of the error; empty for none.
     body_levels
         Meridians that a 3D run may be made from: the first whose error is within its share of the tolerance, or the
         last.
@@ -47,7 +45,6 @@ class Plan:
     stop_when_met: bool
     skipped: tuple[str, ...]
     around_levels: tuple[int, ...] = ()
-    sector_levels: tuple[int, ...] = ()
     body_levels: tuple[int, ...] = BODY_MERIDIANS
     finer: tuple[str, ...] = ()
     fixed: bool = False

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 from analytical.bellows import paper
 from studies.planning.error_model import AROUND, cells_of
-from studies.planning.levels import body_level
+from studies.planning.levels import LIMIT, MODELS, body_level
 from studies.results.closed_form_rows import closed_form_values, printed_elongation, thrust_rows
 from studies.results.rows import REACHED, Row, row
 from studies.results.runs import (
-    AROUND_ORDERS,
     MERIDIAN_ORDERS,
     Run,
     of_model,
@@ -20,8 +20,9 @@ from studies.results.runs import (
     tip_convergence,
     value_status,
 )
-from studies.results.uncertainty import SAFETY_IN_DOUBT
-from studies.scene.bellows import BellowsScene, TipQuantity
+from studies.results.uncertainty import SAFETY, SAFETY_IN_DOUBT, Convergence
+from studies.scene.bellows import BellowsScene, TipQuantity, in_hexahedra
+from studies.scene.elements import USUAL_ELEMENTS
 
 UNITS: dict[TipQuantity, str] = {"tip_mm": "mm", "tip_force_n": "N"}
 CHECKS = {
@@ -45,8 +46,8 @@ def bellows_rows(scene: BellowsScene, runs: Sequence[Run]) -> list[Row]:
     Returns
     -------
     list of Row
-        Errors are against the finest full 3D run where it reached the pressure, else against the finest
-        axisymmetric one.
+        Meshes coarsest first, then what they lead to (`LIMIT`), where that is known better than the finest mesh's
+        value. Errors are against the last row of full 3D that reached the pressure, else of the axisymmetric model.
     """
     rows = []
     for pressure in scene.load.pressure_kpa:
@@ -73,43 +74,86 @@ def _mass_rows(scene: BellowsScene, run: Run) -> list[Row]:
 def _rows_at(scene: BellowsScene, quantity: TipQuantity, pressure: float, runs: Sequence[Run]) -> list[Row]:
     """Rows of what is requested of the tip at one pressure, kPa."""
     rows: list[Row] = []
-    axisymmetric, full3d = of_model(runs, "axisymmetric"), of_model(runs, "full3d")
-    bodies = [*of_model(runs, "sector"), *full3d]
+    axisymmetric, bodies = of_model(runs, "axisymmetric"), [*of_model(runs, "sector"), *of_model(runs, "full3d")]
     meridian = tip_convergence(axisymmetric, pressure, MERIDIAN_ORDERS, quantity)
-    finest_axi, finest_3d = (tip_at(of[-1], pressure, quantity) if of else math.nan for of in (axisymmetric, full3d))
-    reference, source = math.nan, ""
-    if not math.isnan(finest_3d):
-        reference, source = finest_3d, f"full3d {full3d[-1].summary.level}"
-    elif not math.isnan(finest_axi):
-        reference, source = finest_axi, f"axisymmetric {axisymmetric[-1].summary.level}"
+    tips = [_tip_on(run, scene, axisymmetric, meridian, pressure, quantity) for run in (*axisymmetric, *bodies)]
+    extrapolates = quantity == scene.main_quantity and scene.mesh.element in USUAL_ELEMENTS
+    if extrapolates and math.isfinite(meridian.of_limit):
+        tips += [_at_limit(tip, meridian) for tip in _finest(tips) if not math.isnan(tip.value)]
+    best = {tip.run.summary.model: tip for tip in tips if not math.isnan(tip.value)}
+    flat, solid = best.get("axisymmetric"), best.get("full3d")
+    against = solid or flat
 
     def add(model: str, value: float, level: str = "", uncertainty: float = math.nan, status: str = REACHED) -> None:
-        of, by = (math.nan, "") if f"{model} {level}" == source else (reference, source)
+        source = "" if against is None else f"{against.run.summary.model} {against.level}"
+        by = (math.nan, "") if against is None or f"{model} {level}" == source else (against.value, source)
         unit = UNITS[quantity]
-        rows.append(row(scene.name, quantity, unit, pressure, model, value, level, uncertainty, of, by, status))
+        rows.append(row(scene.name, quantity, unit, pressure, model, value, level, uncertainty, *by, status))
 
     if quantity == scene.main_quantity:
         for model, value, status in closed_form_values(scene, pressure):
             add(model, value, status=status)
-    for run in axisymmetric:
-        value = tip_at(run, pressure, quantity)
-        add("axisymmetric", value, run.summary.level, meridian.uncertainty(value), value_status(run, pressure, value))
-    for run in bodies:
-        value = tip_at(run, pressure, quantity)
-        base = tip_at(_on_meridian(run, axisymmetric), pressure, quantity)
-        spread = meridian.uncertainty(base) + _error_around(scene, run, bodies, base, pressure, quantity)
-        add(run.summary.model, value, run.summary.level, spread, value_status(run, pressure, value))
+    for tip in sorted(tips, key=lambda tip: MODELS.index(tip.run.summary.model)):
+        add(tip.run.summary.model, tip.value, tip.level, tip.uncertainty, value_status(tip.run, pressure, tip.value))
     printed = printed_elongation(scene)
     if printed is not None and math.isclose(pressure, paper.PRINTED_PRESSURE_KPA):
         add("paper_closed_form", 10.0 * printed.closed_form_cm)
         add("paper_ansys", 10.0 * printed.ansys_cm)
         add("paper_experiment", 10.0 * printed.experiment_cm)
-    if quantity == scene.main_quantity and finest_3d and not math.isnan(finest_3d) and not math.isnan(finest_axi):
-        gap, level = 100.0 * abs(finest_axi - finest_3d) / abs(finest_3d), axisymmetric[-1].summary.level
-        rows.append(row(scene.name, "axisymmetric_full3d_gap_percent", "%", pressure, "axisymmetric", gap, level))
+    if quantity == scene.main_quantity and solid and solid.value and flat:
+        gap = 100.0 * abs(flat.value - solid.value) / abs(solid.value)
+        rows.append(row(scene.name, "axisymmetric_full3d_gap_percent", "%", pressure, "axisymmetric", gap, flat.level))
     if quantity == "tip_force_n":
         rows += thrust_rows(scene, pressure)
     return rows
+
+
+@dataclass(frozen=True)
+class _Tip:
+    """The tip of a run on its mesh, or with the meridian's limit in it.
+
+    Attributes
+    ----------
+    of_meridian
+        Tip of the axisymmetric run on the same meridian.
+    around
+        Error that the cells round the circumference leave.
+    """
+
+    run: Run
+    level: str
+    value: float
+    uncertainty: float
+    of_meridian: float
+    around: float
+
+
+def _tip_on(
+    run: Run,
+    scene: BellowsScene,
+    axisymmetric: Sequence[Run],
+    meridian: Convergence,
+    pressure: float,
+    quantity: TipQuantity,
+) -> _Tip:
+    """A run's tip: its uncertainty is the meridian's part and that of the cells round."""
+    value = tip_at(run, pressure, quantity)
+    base, around = value, 0.0
+    if run.summary.model != "axisymmetric":
+        base = tip_at(_on_meridian(run, axisymmetric), pressure, quantity)
+        around = _error_around(scene, run, value, base)
+    return _Tip(run, run.summary.level, value, meridian.uncertainty(base) + around, base, around)
+
+
+def _finest(tips: Sequence[_Tip]) -> list[_Tip]:
+    """The last of each model."""
+    return list({tip.run.summary.model: tip for tip in tips}.values())
+
+
+def _at_limit(tip: _Tip, meridian: Convergence) -> _Tip:
+    """The same with what the meridian lacks added; the cells round leave what they leave."""
+    value = tip.value + (meridian.limit - tip.of_meridian)
+    return replace(tip, level=LIMIT, value=value, uncertainty=meridian.of_limit + tip.around)
 
 
 def _on_meridian(run: Run, axisymmetric: Sequence[Run]) -> Run | None:
@@ -118,30 +162,15 @@ def _on_meridian(run: Run, axisymmetric: Sequence[Run]) -> Run | None:
     return next((r for r in axisymmetric if r.summary.level == level), None)
 
 
-def _error_around(
-    scene: BellowsScene, run: Run, bodies: Sequence[Run], base: float, pressure: float, quantity: TipQuantity
-) -> float:
+def _error_around(scene: BellowsScene, run: Run, tip: float, base: float) -> float:
     """What the cells round the circumference leave of error in a body's tip.
 
-    From three numbers of cells round on one meridian, of which one is the body's own; it hardly depends on the
-    meridian, and a sector's tip is that of the whole with as many. Else twice the difference to the axisymmetric tip on
-    the body's meridian, to which more cells round would lead; with a core off the axis they would not, and it is three
-    times what the error model expects of as many cells, a factor that it is held to.
+    With more of them the tip of hexahedra tends to the axisymmetric one on their meridian, so that the difference is
+    the error (docs/decisions.md, "Uncertainty"); tetrahedra are another mesh of the meridian, too, and it counts twice.
+    With a core off the axis there is no such limit, and it is three times what the error model expects of as many
+    cells, a factor that it is held to.
     """
-    level = body_level(run.summary.level)
-    for meridian in dict.fromkeys([level.meridian, *(body_level(r.summary.level).meridian for r in bodies)]):
-        alike = {}
-        for body in [
-            *bodies,
-            *(r for r in bodies if r.summary.model == run.summary.model),
-        ]:  # of its own model if it can
-            at = body_level(body.summary.level)
-            if at.meridian == meridian:
-                alike[at.around] = body
-        if len(alike) >= 3 and level.around in alike:
-            found = tip_convergence(list(alike.values()), pressure, AROUND_ORDERS, quantity)
-            return found.uncertainty(tip_at(alike[level.around], pressure, quantity))
-    tip = tip_at(run, pressure, quantity)
     if scene.geometry.eccentricity:
-        return SAFETY_IN_DOUBT * 0.01 * AROUND[cells_of(scene)].at(level.around) * abs(tip)
-    return 2.0 * abs(tip - base)
+        around = body_level(run.summary.level).around
+        return SAFETY_IN_DOUBT * 0.01 * AROUND[cells_of(scene)].at(around) * abs(tip)
+    return (SAFETY if in_hexahedra(scene) else 2.0) * abs(tip - base)

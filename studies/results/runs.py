@@ -23,9 +23,9 @@ MEASURED_FILE = "measured.json"
 # By so much what a mesh tells of its own error is multiplied, and it is never believed to less than so many percent:
 # errors of either sign cancel at some pressure, and what is left there is not told (make study-dual).
 OWN_SAFETY, OWN_LEAST_PERCENT = 2.0, 0.1
-# Orders to expect of what is read off a bellows. In the meridian quadratic elements give 3 for the smooth part; the
-# edges of the seats and the clamped end are singular. Round the circumference all is smooth.
-MERIDIAN_ORDERS, AROUND_ORDERS = Orders(3.0, EDGE_ORDER), Orders(4.0)
+# Orders to expect of what is read off a meridian: quadratic elements give 3 for the smooth part; the edges of the seats
+# and the clamped end are singular.
+MERIDIAN_ORDERS = Orders(3.0, EDGE_ORDER)
 
 
 @dataclass(frozen=True)
@@ -193,7 +193,8 @@ def tip_convergence(
     share = 1.0
     if len(reached) == 3 and orders.edge is not None:
         share = share_left([1.0 / fineness(run.summary.level) for run in reached[::2]], orders.edge)
-    return replace(found, least=share * max(changes, default=0.0) * abs(tip_at(reached[-1], pressure_kpa, quantity)))
+    least = share * max(changes, default=0.0) * abs(tip_at(reached[-1], pressure_kpa, quantity))
+    return replace(found, least=least, of_limit=least if found.of_limit < least else found.of_limit)
 
 
 def own_errors_percent(run: Run) -> list[float]:
@@ -205,10 +206,13 @@ def _of_one(run: Run, pressure_kpa: float) -> Convergence:
     """What a run's own mesh tells of the tip's error, unknown if any requested pressure is without.
 
     The estimate is within a factor of `OWN_SAFETY` of the error but where it passes zero on the way: it counts as no
-    less than the largest, in parts of the tip's displacement.
+    less than the largest, in parts of the tip's displacement. Added to the tip it leaves less by once itself.
     """
     errors, entry = own_errors_percent(run), run.at(pressure_kpa)
     if entry is None or any(map(math.isnan, errors)):
         return UNKNOWN
-    least = 0.01 * max(OWN_SAFETY * max(errors), OWN_LEAST_PERCENT) * abs(entry.tip_mm)
-    return Convergence(entry.tip_mm + entry.tip_error_mm, OWN_SAFETY, least=least)
+    least, of_limit = (
+        0.01 * max(times * max(errors), OWN_LEAST_PERCENT) * abs(entry.tip_mm)
+        for times in (OWN_SAFETY, OWN_SAFETY - 1.0)
+    )
+    return Convergence(entry.tip_mm + entry.tip_error_mm, OWN_SAFETY, least=least, of_limit=of_limit)

@@ -12,9 +12,10 @@ there is no limit to be told, and it is three times the range.
 *With a singular edge*: the error is taken as ``a h^p + b h^q``, p of the edge and q of the smooth rest, both known (Eça
 and Hoekstra, too, take two powers where one fits badly). One observed order would tell neither: the parts have either
 sign, and where they cancel the observed order is anything. The uncertainty is the distance to the limit and, as the
-limit's own doubt, once more that of the finest mesh. Of two meshes the limit is midway between those by either order,
-and the doubt the whole error by the lower one. How often that holds is audited: docs/decisions.md, "Uncertainty of two
-and of three meshes".
+limit's own doubt, once more that of the finest mesh; that doubt is the limit's own uncertainty. Of two meshes the limit
+is midway between those by either order, and the doubt the whole error by the lower one; as an answer it would be no
+better than the finest mesh. How often that holds is audited: docs/decisions.md, "Uncertainty of two and of three
+meshes".
 
 The order of an edge. Where a rigid part is bonded to an incompressible solid and its bond ends at a free surface,
 stress goes as ``r^(lambda - 1)`` with ``cos(lambda angle) = lambda sin(angle)`` (Williams, J. Appl. Mech. 1952,
@@ -62,12 +63,15 @@ class Convergence:
         What is added to that for the limit itself, in the unit of the values.
     least
         The uncertainty is not less than this, in the unit of the values.
+    of_limit
+        Uncertainty of the limit itself; NaN where that is no better than the value on the finest mesh.
     """
 
     limit: float
     safety: float = 1.0
     doubt: float = 0.0
     least: float = 0.0
+    of_limit: float = math.nan
 
     def uncertainty(self, value: float) -> float:
         """Uncertainty of a value on one of the meshes, in its unit."""
@@ -154,7 +158,8 @@ def _edge_of_three(sizes: Sequence[float], values: Sequence[float], edge: float,
     limit = float(np.linalg.solve(powers, np.asarray(values))[0])
     least = abs(values[2] - values[1]) * share_left(sizes, smooth)
     most = abs(values[2] - values[0]) * share_left(sizes[::2], edge)
-    return Convergence(limit, doubt=max(abs(values[2] - limit), least, most))
+    doubt = max(abs(values[2] - limit), least, most)
+    return Convergence(limit, doubt=doubt, of_limit=doubt)
 
 
 def _edge_of_two(sizes: Sequence[float], values: Sequence[float], edge: float, smooth: float) -> Convergence:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Final, Literal
 
 from studies.scene.sections import Section
+
+# Quadratic displacements with linear pressures, whose orders of convergence are those expected of a bellows.
+USUAL_ELEMENTS: Final = ("auto", "hex", "tet")
 
 
 class Mesh(Section):

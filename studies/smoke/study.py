@@ -7,16 +7,18 @@ from typing import Any, Final
 
 from studies.engine import Page, Setting, Solved, Study
 from studies.models.session import run_plan
-from studies.planning.bellows import SECTOR_LEVELS, plan_bellows
-from studies.planning.error_model import ROUNDS, cells_of
+from studies.planning.bellows import plan_bellows
 from studies.report.scene_page import report_of
 from studies.report.scene_report import SceneReport
 from studies.report.scenes import content, verdict
 from studies.results import provenance
 from studies.scene.bellows import BellowsScene
 from studies.scene.load import load_bellows
+from studies.scene.meshes import quarters
 
 SCENE: Final = provenance.ROOT / "scenes" / "smoke-t2-ri5.toml"
+# Cells round the whole body.
+FEWEST: Final = (6,)
 
 
 def cases(options: Mapping[str, Any]) -> list[BellowsScene]:
@@ -26,9 +28,10 @@ def cases(options: Mapping[str, Any]) -> list[BellowsScene]:
 
 def solve(scene: BellowsScene, at: Setting) -> SceneReport:
     """Every model, on the fewest cells round."""
-    plan = plan_bellows(scene, "full3d", ROUNDS[cells_of(scene)][:1], SECTOR_LEVELS[:1])
-    run_plan(scene, SCENE.read_text(encoding="utf-8"), plan, at.out / scene.name, at.comm, at.progress)
-    return report_of(at.out / scene.name)
+    text, place = SCENE.read_text(encoding="utf-8"), at.out / scene.name
+    for plan in (plan_bellows(scene, "sector", (quarters(scene),)), plan_bellows(scene, "full3d", FEWEST)):
+        run_plan(scene, text, plan, place, at.comm, at.progress)
+    return report_of(place)
 
 
 def page(solved: Sequence[Solved[BellowsScene, SceneReport]], at: Setting) -> Page:

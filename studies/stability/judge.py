@@ -70,12 +70,13 @@ def crash(reason: str) -> Outcome:
 
 @dataclass(frozen=True)
 class _Known:
-    """What is known of a cell: its value and how far that may be missed, and how far it can be loaded."""
+    """What is known of a cell: its value and how far that may be missed, how far it can be loaded, unstable modes."""
 
     value_mm: float
     tolerance_percent: float
     reachable_kpa: float
     source: str
+    unstable: int = -1
 
 
 def judge(cell: Cell, end: End, reference: Reference | None, alone_mm: float) -> Outcome:
@@ -91,7 +92,7 @@ def judge(cell: Cell, end: End, reference: Reference | None, alone_mm: float) ->
     known = _known(cell, reference)
     reachable = min(abs(cell.load_kpa), known.reachable_kpa)
     error = 100.0 * (end.value_mm - known.value_mm) / abs(known.value_mm)
-    faults = _faults(end, error, known.tolerance_percent, alone_mm)
+    faults = _faults(end, error, known, alone_mm)
     wrong = "wrong answer" if faults else ""
     return Outcome(
         "stop" if end.reason else "wrong" if faults else "right",
@@ -108,14 +109,16 @@ def judge(cell: Cell, end: End, reference: Reference | None, alone_mm: float) ->
     )
 
 
-def _faults(end: End, error_percent: float, tolerance_percent: float, alone_mm: float) -> list[str]:
+def _faults(end: End, error_percent: float, known: _Known, alone_mm: float) -> list[str]:
     """What is wrong with a value at the requested load."""
     faults = []
-    if not abs(error_percent) <= tolerance_percent:
-        known = math.isfinite(error_percent)
-        faults.append(f"{error_percent:.3g} % off" if known else "reached a load that nothing else reaches")
+    if not abs(error_percent) <= known.tolerance_percent:
+        off = math.isfinite(error_percent)
+        faults.append(f"{error_percent:.3g} % off" if off else "reached a load that nothing else reaches")
     if end.pressure_error_percent > PRESSURE_TOLERANCE_PERCENT:
         faults.append(f"pressure in the wall {end.pressure_error_percent:.3g} % off")
+    if end.unstable > known.unstable >= 0:
+        faults.append(f"{end.unstable} unstable modes, {known.unstable} on finer meshes")
     change_percent = 100.0 * (end.value_mm / alone_mm - 1.0)
     if math.isfinite(alone_mm) and abs(change_percent) > SAME_PERCENT:
         faults.append(f"{change_percent:.3g} % from one rank and thread")
@@ -131,4 +134,5 @@ def _known(cell: Cell, reference: Reference | None) -> _Known:
         return _Known(math.nan, TOLERANCE_PERCENT, load, "")
     tip = reference.tip_mm.get(load, math.nan)
     more = 100.0 * reference.uncertainty_mm.get(load, math.nan) / abs(tip)
-    return _Known(tip, TOLERANCE_PERCENT + more, reference.reached_kpa, "converged on finer meshes")
+    unstable = reference.unstable.get(load, -1)
+    return _Known(tip, TOLERANCE_PERCENT + more, reference.reached_kpa, "converged on finer meshes", unstable)

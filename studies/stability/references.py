@@ -37,12 +37,15 @@ class Reference:
     ----------
     tip_mm, uncertainty_mm
         By load, kPa: on the finest mesh that reached it, and its uncertainty; loads that two meshes reached.
+    unstable
+        By load: axisymmetric unstable modes of that state at held pressure; -1 if not counted.
     reached_kpa
         Highest load that any mesh reached.
     """
 
     tip_mm: dict[float, float]
     uncertainty_mm: dict[float, float]
+    unstable: dict[float, int]
     reached_kpa: float
 
 
@@ -68,20 +71,21 @@ def solve_reference(series: Series) -> Reference:
     sign = -1.0 if series.loads_kpa[0] < 0.0 else 1.0
     loads = sorted(abs(p) for p in series.loads_kpa)
     tips: dict[float, dict[int, float]] = {p: {} for p in loads}
+    unstable: dict[float, int] = {}
     highest = 0.0
     for level in LEVELS:
         fine = replace(series.body, level=level)
         try:
             posed = pose_bellows(fine, loads[-1], MPI.COMM_SELF)
         except REFUSALS:
-            return Reference({}, {}, loads[-1])
+            return Reference({}, {}, {}, loads[-1])
         for load, end in zip(loads, ends(Cell("", "", "", fine, sign * loads[-1]), posed, loads), strict=True):
             highest = max(highest, end.reached_kpa)
             if not end.reason:
-                tips[load][level] = end.value_mm
+                tips[load][level], unstable[load] = end.value_mm, end.unstable
     several = {load: found for load, found in tips.items() if len(found) > 1}
     finest = {load: found[max(found)] for load, found in several.items()}
-    return Reference(finest, {load: _uncertainty_mm(found) for load, found in several.items()}, highest)
+    return Reference(finest, {load: _uncertainty_mm(found) for load, found in several.items()}, unstable, highest)
 
 
 def _uncertainty_mm(found: dict[int, float]) -> float:

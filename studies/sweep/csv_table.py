@@ -12,6 +12,7 @@ from typing import Any, Literal, get_args
 from analytical.bellows.chains import closed_form
 from analytical.bellows.dimensions import BellowsError
 from studies.models.tolerance import marked, shortfalls
+from studies.planning.levels import LIMIT
 from studies.results.bellows_rows import bellows_rows
 from studies.results.csv_files import field_text, field_value, read_lines, write_lines
 from studies.results.rows import NOT_MET, REACHED, Row, difference_percent, row
@@ -44,7 +45,8 @@ class SweepRow:
     unfolding_kpa
         Pressure at which the closed form is fully unfolded.
     axisymmetric, uncertainty, level
-        The axisymmetric answer on its finest mesh, its discretisation uncertainty in the same unit, and that mesh.
+        The axisymmetric answer of its finest mesh, extrapolated where that is better, its discretisation uncertainty in
+        the same unit, and that mesh.
     unstable_modes
         Number of the axisymmetric model's unstable modes.
     closed_form_percent, closed_form_balanced_percent, closed_form_seat_percent
@@ -104,7 +106,7 @@ def solved_rows(variant: Variant, scene: BellowsScene, runs: Sequence[Run], faul
     found = []
     for pressure in scene.load.pressure_kpa:
         here = [r for r in rows if r.pressure_kpa == pressure]
-        values = {r.model: r for r in here if r.quantity == quantity and r.level in ("", level)}
+        values = {r.model: r for r in here if r.quantity == quantity and r.level in ("", level, LIMIT)}
         tip = values.get("axisymmetric", row(scene.name, quantity, "", pressure, "axisymmetric", math.nan))
         chains = {chain: values[chain].value if chain in values else math.nan for chain in CHAINS}
         found.append(

@@ -115,7 +115,8 @@ def _state(case: CaseResult) -> tuple[str, ...]:
 
 def _stays_flat(case: CaseResult) -> tuple[Verdict, float, str]:
     """Whether the middle of the tip goes as far as its rim; the mesh's uncertainty is taken to be that of the rim."""
-    rim, middle = case.tip(), case.row("tip_centre_mm")
+    middle = case.row("tip_centre_mm")
+    rim = case.tip(level=middle.level)
     gap = abs(middle.value - rim.value)
     text = f"{middle.value:.2f} mm in the middle against {rim.value:.2f} mm at the rim"
     return below((gap, rim.uncertainty), FLAT * rim.value), FLAT - gap / rim.value, text

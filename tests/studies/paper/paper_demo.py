@@ -124,7 +124,7 @@ def make_case(
         for quantity, value in (measured or {}).items()
         for p in scene.load.pressure_kpa
     ]
-    return CaseResult(case, Path("nowhere"), scene, tuple(flat), (), tuple(solid), (*rows, *found, *extra))
+    return CaseResult(case, Path("nowhere"), scene, tuple(flat), tuple(solid), (*rows, *found, *extra))
 
 
 def make_results(*cases_: CaseResult) -> PaperResults:

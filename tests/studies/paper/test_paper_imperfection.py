@@ -21,9 +21,9 @@ def published() -> list[Row]:
     return found
 
 
-def sector(at_5: float) -> PaperResults:
-    extra = tuple(row(ACTUATOR, "tip_mm", "mm", p, "sector", v, "n8") for p, v in ((5.0, at_5), (20.0, 60.0)))
-    return make_results(make_case(case_of("core", ACTUATOR), extra=extra))
+def body(at_5: float) -> PaperResults:
+    extra = tuple(row(ACTUATOR, "tip_mm", "mm", p, "full3d", v, "n8") for p, v in ((5.0, at_5), (20.0, 60.0)))
+    return make_results(make_case(case_of("control", f"{ACTUATOR}-quarter"), extra=extra))
 
 
 @pytest.fixture
@@ -33,15 +33,15 @@ def file(tmp_path: Path) -> Path:
 
 
 def test_bend_and_change_come_from_the_published_rows(file: Path) -> None:
-    told, fits = eccentric_core(sector(30.0), file)
+    told, fits = eccentric_core(body(30.0), file)
     assert "A core 0.2 mm off the axis" in told
     assert "18.0° and −6.7 % at 5 kPa, 20.0° and −5.0 % at 20 kPa" in told
-    assert "has the elongation of this report's sector" in fits
+    assert "has the elongation of this report's body" in fits
 
 
 def test_rows_of_another_actuator_are_told(file: Path) -> None:
-    assert "Out of date: their centred core differs by −10 %" in eccentric_core(sector(33.4), file)[1]
-    assert "Out of date" in eccentric_core(sector(30.001), file)[1]
+    assert "Out of date: their centred core differs by −10 %" in eccentric_core(body(33.4), file)[1]
+    assert "Out of date" in eccentric_core(body(30.001), file)[1]
     assert "cannot be told" in eccentric_core(PaperResults(()), file)[1]
     assert "not there" in eccentric_core(PaperResults(()), file.parent / "none.csv")[0]
 
