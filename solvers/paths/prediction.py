@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from solvers.discrete.domain import FloatArray
 from solvers.paths.arc import Scale, distance
@@ -24,20 +25,29 @@ def coordinates(history: Sequence[PathPoint], control: ControlName, scale: Scale
     return [-sum(chords[k:]) for k in range(len(chords) + 1)]
 
 
-def _weights(nodes: Sequence[float], known: Sequence[bool], at: float) -> tuple[FloatArray, FloatArray]:
-    """Weights of values and slopes of the polynomial through ``nodes``, evaluated at ``at``.
+def _powers(nodes: Sequence[float], known: NDArray[np.bool_]) -> tuple[FloatArray, float]:
+    """Values of 1, x, x^2, ... at ``nodes``, a row each, below them their slopes where those are ``known``; unit of x.
 
-    It has the slopes, too, of the nodes where they are ``known``; those of the others have no weight.
+    x is counted from the last node, in that unit.
     """
     unit = nodes[-1] - nodes[0] if len(nodes) > 1 else 1.0
     places, sloped = (np.array(nodes) - nodes[-1]) / unit, np.flatnonzero(known)
     powers = np.arange(len(nodes) + len(sloped))
     values = places[:, None] ** powers
     slopes = powers * places[sloped, None] ** np.maximum(powers - 1, 0)
+    return np.vstack([values, slopes]), unit
+
+
+def _weights(nodes: Sequence[float], known: NDArray[np.bool_], at: float) -> tuple[FloatArray, FloatArray]:
+    """Weights of values and slopes of the polynomial through ``nodes``, evaluated at ``at``.
+
+    It has the slopes, too, of the nodes where they are ``known``; those of the others have no weight.
+    """
+    matrix, unit = _powers(nodes, known)
     # the weights give every power its value at ``at``
-    weights = np.linalg.solve(np.vstack([values, slopes]).T, ((at - nodes[-1]) / unit) ** powers)
+    weights = np.linalg.solve(matrix.T, ((at - nodes[-1]) / unit) ** np.arange(len(matrix)))
     by_slope = np.zeros(len(nodes))
-    by_slope[sloped] = unit * weights[len(nodes) :]
+    by_slope[known] = unit * weights[len(nodes) :]
     return weights[: len(nodes)], by_slope
 
 
@@ -79,17 +89,20 @@ def half_way(low: PathPoint, high: PathPoint, control: ControlName) -> State:
 
 def _polynomial(last: Sequence[PathPoint], nodes: Sequence[float], control: ControlName, at: float) -> State:
     slopes = _slopes(last, control)
-    by_value, by_slope = _weights(nodes, np.isfinite(slopes).tolist(), at)
+    by_value, by_slope = _weights(nodes, np.isfinite(slopes), at)
     known = [(p.rate, w * s) for p, w, s in zip(last, by_slope, slopes, strict=True) if p.rate is not None and w]
     return combine([*(p.state for p in last), *(rate for rate, _ in known)], [*by_value, *(w for _, w in known)])
 
 
-def predicted_pressure(history: Sequence[PathPoint], control: ControlName, at: float, scale: Scale) -> float:
-    """Pressure at a volume or an arc length."""
+def predicted_pressure(history: Sequence[PathPoint], control: ControlName, scale: Scale) -> Callable[[float], float]:
+    """Pressure by volume or arc length, MPa: the polynomial through the last three states, with their slopes."""
     last, nodes = _usable(history, control, scale)
     slopes = np.array(_slopes(last, control))
-    by_value, by_slope = _weights(nodes, np.isfinite(slopes).tolist(), at)
-    return float(by_value @ np.array([p.pressure_mpa for p in last]) + by_slope @ np.nan_to_num(slopes, posinf=0.0))
+    known = np.isfinite(slopes)
+    matrix, unit = _powers(nodes, known)
+    of_powers = np.linalg.solve(matrix, [*(p.pressure_mpa for p in last), *(unit * slopes[known])])
+    polynomial, end = np.polynomial.Polynomial(of_powers), nodes[-1]
+    return lambda at: float(polynomial((at - end) / unit))
 
 
 def peak(here: PathPoint, end: PathPoint) -> tuple[float, float] | None:
@@ -113,8 +126,8 @@ def place_of_pressure(
     history: Sequence[PathPoint], control: ControlName, low: float, high: float, pressure_mpa: float, scale: Scale
 ) -> float:
     """Volume or arc length in [low, high] at which the predicted pressure is the given one, by bisection."""
+    predicted = predicted_pressure(history, control, scale)
     for _ in range(60):
         middle = 0.5 * (low + high)
-        below = predicted_pressure(history, control, middle, scale) < pressure_mpa
-        low, high = (middle, high) if below else (low, middle)
+        low, high = (middle, high) if predicted(middle) < pressure_mpa else (low, middle)
     return 0.5 * (low + high)

@@ -155,7 +155,7 @@ class Follower:
         control, history = walk.control, past
         start = here.volume_mm3 if control == "volume" else 0.0
         end = start + walk.step
-        foreseen = len(history) >= 3 and predicted_pressure(history, control, end, self.scale) >= target
+        foreseen = len(history) >= 3 and predicted_pressure(history, control, self.scale)(end) >= target
         if foreseen and target > here.pressure_mpa:
             end = place_of_pressure(history, control, start, end, target, self.scale)
             return Aim("pressure", target, end - start, True, extrapolate(history, control, end, self.scale))

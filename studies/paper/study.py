@@ -137,11 +137,9 @@ def solve(case: Case, at: Setting) -> None:
         base = place / f"axisymmetric-r{level.meridian}"
         run_full3d(scene, "full3d", level, base, place / f"full3d-{level.name}", at.comm, at.progress, ())
         return
-    if case.group in ("core", "zigzag"):
-        plan = plan_bellows(scene, "full3d", CORE_AROUND, every_level=True)
-    else:  # beside those, for other elements or a count of modes; finer takes up to 10 GB
-        plan = plan_bellows(scene, "full3d", every_level=True)
-        plan = dataclasses.replace(plan, body_levels=BODY_MERIDIANS[:1])
+    plan = plan_bellows(scene, "full3d", CORE_AROUND if case.group in ("core", "zigzag") else (), every_level=True)
+    # what the coarsest meridian lacks is known from the axisymmetric runs, and the same on any body made from it
+    plan = dataclasses.replace(plan, body_levels=BODY_MERIDIANS[:1])
     run_plan(scene, case_text(case), plan, place, at.comm, at.progress)
 
 

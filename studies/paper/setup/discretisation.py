@@ -16,7 +16,7 @@ from studies.scene.meshes import scene_meridian, scene_resolution
 # Models by their cells.
 CELLS: Final = {
     "quadrilateral": ("axisymmetric", "quadrilaterals of 9 nodes"),
-    "hexahedron": ("sector and full 3D", "hexahedra of 27 nodes"),
+    "hexahedron": ("full 3D", "hexahedra of 27 nodes"),
     "triangle": ("axisymmetric beside tetrahedra, and with meshed rings", "triangles of 6 nodes"),
     "tetrahedron": ("full 3D, tetrahedra", "tetrahedra of 10 nodes, as in the paper"),
 }

@@ -40,7 +40,7 @@ def test_as_many_powers_as_values_and_slopes_are_exact(count: int, degree: int) 
     assert found.displacement_mm[place] == pytest.approx(ahead.state.displacement_mm[place], rel=1e-10)
     if degree > 1:
         assert found.load_mpa == pytest.approx(ahead.pressure_mpa, rel=1e-10)
-        assert predicted_pressure(history, "volume", 2.6, SCALE) == pytest.approx(ahead.pressure_mpa, rel=1e-10)
+        assert predicted_pressure(history, "volume", SCALE)(2.6) == pytest.approx(ahead.pressure_mpa, rel=1e-10)
     # one power more is too many
     more = [point(v, degree + 2) for v in (1.0, 1.4, 1.9)[-count:]]
     off = extrapolate(more, "volume", 2.6, SCALE).displacement_mm[0] / point(2.6, degree + 2).state.displacement_mm[0]

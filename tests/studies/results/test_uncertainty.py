@@ -176,6 +176,19 @@ def test_uncertainties_hold_the_limit_of_finer_meshes_and_are_not_too_wide(meshe
     assert statistics.median(ratios) < widest
 
 
+def test_the_limit_of_three_meshes_is_nearer_than_the_finest_and_its_own_uncertainty_holds():
+    sizes, by_limit, by_mesh = (1.0, 0.5, 0.25, 0.125), [], []
+    for tips in TIPS.values():
+        limit, found = convergence(sizes[1:], tips[1:], EDGE).limit, convergence(sizes[:3], tips[:3], EDGE)
+        assert abs(found.limit - limit) <= found.of_limit < found.uncertainty(tips[2])
+        by_limit.append(abs(found.limit / limit - 1.0))
+        by_mesh.append(abs(tips[2] / limit - 1.0))
+    # the worst is left with a third of its error; of two meshes or one, or of smooth bodies, no such thing is said
+    assert statistics.median(by_limit) < statistics.median(by_mesh) and max(by_limit) < max(by_mesh) / 3.0
+    assert math.isnan(convergence(sizes[:2], (1.0, 1.3), EDGE).of_limit)
+    assert math.isnan(convergence(sizes[:3], (1.0, 1.3, 1.4), SMOOTH).of_limit)
+
+
 @pytest.mark.parametrize(
     ("scene", "finest"),
     [
