@@ -1,9 +1,8 @@
 """Are the uncertainties true? Each, made from coarser meshes alone, has to hold the limit that finer ones lead to.
 
-The limit is Richardson's, of the three finest axisymmetric meshes, one of them finer than all that the uncertainty is
-made from. Its order is the observed one, kept between those of a singular edge and of the smooth part, as an error that
-has no other parts cannot converge slower or faster for long; values that are not monotone have no such order, and
-both parts are fitted. Where cells round the axis matter too, the limit is the same: the axisymmetric model is exact.
+The limit is that of the three finest axisymmetric meshes, one of them finer than all that the uncertainty is made from
+(`studies.results.uncertainty`). Where cells round the axis matter too, the limit is the same: the axisymmetric model is
+exact.
 """
 
 from __future__ import annotations
@@ -22,14 +21,14 @@ from studies.report.tables import Table, table_of
 from studies.results.bellows_rows import bellows_rows
 from studies.results.rows import Row
 from studies.results.runs import MERIDIAN_ORDERS, Run, tip_at
-from studies.results.uncertainty import EDGE_ORDER, convergence, extrapolated, observed_order
+from studies.results.uncertainty import EDGE_ORDER, LOWEST_ORDER, convergence, extrapolated, observed_order
 
 MERIDIANS = "axisymmetric uncertainties that hold the limit"
 BODIES = "full 3D uncertainties that hold the limit"
 FINER_BODIES = "full 3D uncertainties that hold a finer full 3D mesh"
 AS_OBSERVED = "the same, limit by the order as it is observed"
-# Below this the values have hardly begun to converge, and what the order leads to is anything.
-LOWEST_ORDER = 0.05
+# Below this the values have hardly begun to converge, and what the order as it is observed leads to is anything.
+LEAST_ORDER = 0.05
 
 
 @dataclass(frozen=True)
@@ -87,15 +86,15 @@ def as_observed(results: PaperResults) -> list[Check]:
 def limit(sizes: Sequence[float], values: Sequence[float]) -> tuple[float, str]:
     """Limit of three values, and how it was told."""
     order = observed_order(sizes, values)
-    if order is None:
-        return convergence(sizes, values, MERIDIAN_ORDERS).limit, ", not monotone"
-    order = min(max(order, EDGE_ORDER), MERIDIAN_ORDERS.smooth)
-    return extrapolated(sizes, values, order), f", order {order:.2f}"
+    how = "not monotone" if order is None else f"order {min(max(order, EDGE_ORDER), MERIDIAN_ORDERS.smooth):.2f}"
+    if order is not None and order < LOWEST_ORDER:
+        how = f"both orders, {order:.2f} is none"
+    return convergence(sizes, values, MERIDIAN_ORDERS).limit, f", {how}"
 
 
 def _limit_as_observed(sizes: Sequence[float], values: Sequence[float]) -> tuple[float, str]:
     order = observed_order(sizes, values)
-    if order is None or order < LOWEST_ORDER:
+    if order is None or order < LEAST_ORDER:
         return math.nan, ""
     return extrapolated(sizes, values, order), f", order {order:.2f}"
 

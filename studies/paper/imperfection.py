@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from studies.paper.cases import PRESSURES_KPA
+from studies.paper.cases import CONTROL_BODY, ON_A_QUARTER, PRESSURES_KPA
 from studies.paper.results import PaperResults, find, is_known
 from studies.paper.setup.sizes import CALLED, scene_of
 from studies.report.numbers import number_text, signed, typeset
@@ -19,7 +19,7 @@ from studies.results import provenance
 from studies.results.rows import Row, difference_percent, read_rows
 
 PUBLISHED: Final = provenance.ROOT / "docs" / "imperfection" / "rows.csv"
-ACTUATOR: Final = "heung-t2-ri5"
+ACTUATOR: Final = CONTROL_BODY
 CENTRED, OFF = f"{ACTUATOR}-e00", f"{ACTUATOR}-e10"
 # Share of the wall by which the core is off in `OFF`.
 SHARE: Final = 0.10
@@ -61,7 +61,7 @@ def _fits(results: PaperResults, published: Sequence[Row]) -> str:
     gaps = []
     for pressure in PRESSURES_KPA:
         theirs = _of(published, CENTRED, "tip_mm", pressure)
-        ours = results.named(ACTUATOR).tip("full3d", pressure, theirs.level)
+        ours = results.variant(CONTROL_BODY, "control", ON_A_QUARTER).tip("full3d", pressure, theirs.level)
         if is_known(ours) and is_known(theirs):
             gaps.append(difference_percent(theirs.value, ours.value))
     if not gaps:

@@ -163,11 +163,16 @@ def tip_at(run: Run | None, pressure_kpa: float, quantity: TipQuantity = "tip_mm
     return entry.tip_mm if quantity == "tip_mm" else entry.tip_force_n
 
 
-def run_convergence(runs: Sequence[Run], values: Sequence[float], orders: Orders) -> Convergence:
-    """Convergence of a quantity, one value per run, over the finest levels (three, or two) where it is not NaN."""
+def run_convergence(
+    runs: Sequence[Run], values: Sequence[float], orders: Orders, left_by_edge: float | None = None
+) -> Convergence:
+    """Convergence of a quantity, one value per run, over the finest levels (three, or two) where it is not NaN.
+
+    ``left_by_edge`` is that of `studies.results.uncertainty.convergence`.
+    """
     found = [(1.0 / fineness(run.summary.level), value) for run, value in zip(runs, values, strict=True)]
     found = sorted((f for f in found if not math.isnan(f[1])), reverse=True)[-3:]
-    return convergence([h for h, _ in found], [v for _, v in found], orders)
+    return convergence([h for h, _ in found], [v for _, v in found], orders, left_by_edge)
 
 
 def tip_convergence(
@@ -179,22 +184,27 @@ def tip_convergence(
     the largest relative change from the first mesh to the last, over all pressures that both reached, tells of an edge:
     of two meshes all of that change, of three the share of it that would be left.
     """
-    found = run_convergence(runs, [tip_at(run, pressure_kpa, quantity) for run in runs], orders)
-    reached = [run for run in runs if not math.isnan(tip_at(run, pressure_kpa, quantity))][-3:]
+    tips = [tip_at(run, pressure_kpa, quantity) for run in runs]
+    reached = [run for run, tip in zip(runs, tips, strict=True) if not math.isnan(tip)][-3:]
     if len(reached) == 1 and quantity == "tip_mm":
         return _of_one(reached[0], pressure_kpa)
     if len(reached) < 2 or (len(reached) == 3 and orders.edge is None):
-        return found
+        return run_convergence(runs, tips, orders)
+    change = abs(tip_at(reached[-1], pressure_kpa, quantity)) * _largest_change(reached[0], reached[-1], quantity)
+    if len(reached) == 2 or orders.edge is None:
+        return replace(run_convergence(runs, tips, orders), least=change)
+    sizes = [1.0 / fineness(run.summary.level) for run in reached[::2]]
+    return run_convergence(runs, tips, orders, change * share_left(sizes, orders.edge))
+
+
+def _largest_change(first: Run, last: Run, quantity: TipQuantity) -> float:
+    """Largest relative change of the tip from one run to another, over all pressures that both reached."""
     changes = []
-    for entry in reached[0].path:
-        one, other = (tip_at(run, entry.pressure_kpa, quantity) for run in (reached[0], reached[-1]))
+    for entry in first.path:
+        one, other = (tip_at(run, entry.pressure_kpa, quantity) for run in (first, last))
         if other and not math.isnan(one - other):
             changes.append(abs((one - other) / other))
-    share = 1.0
-    if len(reached) == 3 and orders.edge is not None:
-        share = share_left([1.0 / fineness(run.summary.level) for run in reached[::2]], orders.edge)
-    least = share * max(changes, default=0.0) * abs(tip_at(reached[-1], pressure_kpa, quantity))
-    return replace(found, least=least, of_limit=least if found.of_limit < least else found.of_limit)
+    return max(changes, default=0.0)
 
 
 def own_errors_percent(run: Run) -> list[float]:

@@ -9,13 +9,14 @@ that are not monotone may be near each other by accident, so then it is their ra
 J. Comput. Phys. 2014, doi 10.1016/j.jcp.2014.01.006, who take three times it); and where their differences do not fall,
 there is no limit to be told, and it is three times the range.
 
-*With a singular edge*: the error is taken as ``a h^p + b h^q``, p of the edge and q of the smooth rest, both known (Eça
-and Hoekstra, too, take two powers where one fits badly). One observed order would tell neither: the parts have either
-sign, and where they cancel the observed order is anything. The uncertainty is the distance to the limit and, as the
-limit's own doubt, once more that of the finest mesh; that doubt is the limit's own uncertainty. Of two meshes the limit
-is midway between those by either order, and the doubt the whole error by the lower one; as an answer it would be no
-better than the finest mesh. How often that holds is audited: docs/decisions.md, "Uncertainty of two and of three
-meshes".
+*With a singular edge*: the error is ``a h^p + b h^q``, p of the edge and q of the smooth rest, both known (Eça and
+Hoekstra, too, take two powers where one fits badly). The parts have either sign, and where they cancel the observed
+order is anything: the limit is by the observed order, kept between p and q, and by a fit of both powers where there is
+none that could be believed. The limit's own doubt is its distance from the finest mesh or from that fit, the larger, or
+what an edge would leave if all of the change were its own; the uncertainty of a mesh is its distance to the limit and
+that doubt. Of two meshes the limit is midway between those by either order, and the doubt the whole error by the lower
+one; as an answer it would be no better than the finest mesh. How often that holds is audited: docs/decisions.md,
+"Uncertainty of two and of three meshes".
 
 The order of an edge. Where a rigid part is bonded to an incompressible solid and its bond ends at a free surface,
 stress goes as ``r^(lambda - 1)`` with ``cos(lambda angle) = lambda sin(angle)`` (Williams, J. Appl. Mech. 1952,
@@ -34,8 +35,8 @@ from dataclasses import dataclass
 import numpy as np
 
 SAFETY, SAFETY_IN_DOUBT = 1.25, 3.0
-# Orders that are observed to be lower are counted as this one: by less any limit would do (Oberkampf and Roy,
-# Verification and Validation in Scientific Computing, 2010, section 8.6.3).
+# Orders that are observed to be lower are counted as this one, or not believed: by less any limit would do (Oberkampf
+# and Roy, Verification and Validation in Scientific Computing, 2010, section 8.6.3).
 LOWEST_ORDER = 0.5
 # Twice 1/2: see above.
 EDGE_ORDER = 1.0
@@ -82,7 +83,9 @@ class Convergence:
 UNKNOWN = Convergence(math.nan)
 
 
-def convergence(sizes: Sequence[float], values: Sequence[float], orders: Orders) -> Convergence:
+def convergence(
+    sizes: Sequence[float], values: Sequence[float], orders: Orders, left_by_edge: float | None = None
+) -> Convergence:
     """Convergence of a quantity on two or three meshes; on one it is unknown.
 
     Parameters
@@ -93,6 +96,9 @@ def convergence(sizes: Sequence[float], values: Sequence[float], orders: Orders)
         The quantity on each.
     orders
         Orders to expect.
+    left_by_edge
+        What an edge may leave of error on the last of three meshes, where more is known of it than by these values: of
+        them it is `share_left` of the whole change.
 
     Returns
     -------
@@ -102,7 +108,11 @@ def convergence(sizes: Sequence[float], values: Sequence[float], orders: Orders)
         return UNKNOWN
     if orders.edge is None:
         return (_smooth_of_three if len(values) == 3 else _smooth_of_two)(sizes, values, orders.smooth)
-    return (_edge_of_three if len(values) == 3 else _edge_of_two)(sizes, values, orders.edge, orders.smooth)
+    if len(values) == 2:
+        return _edge_of_two(sizes, values, orders.edge, orders.smooth)
+    if left_by_edge is None:
+        left_by_edge = abs(values[2] - values[0]) * share_left(sizes[::2], orders.edge)
+    return _edge_of_three(sizes, values, orders.edge, orders.smooth, left_by_edge)
 
 
 def observed_order(sizes: Sequence[float], values: Sequence[float]) -> float | None:
@@ -148,17 +158,20 @@ def _smooth_of_two(sizes: Sequence[float], values: Sequence[float], nominal: flo
     return Convergence(extrapolated(sizes, values, nominal), SAFETY_IN_DOUBT)
 
 
-def _edge_of_three(sizes: Sequence[float], values: Sequence[float], edge: float, smooth: float) -> Convergence:
-    """Two powers through three values.
+def _edge_of_three(
+    sizes: Sequence[float], values: Sequence[float], edge: float, smooth: float, left_by_edge: float
+) -> Convergence:
+    """By the observed order within both, beside a fit of two powers.
 
-    The doubt is what the smooth part alone would leave at least, or the edge alone, had it made all of the change from
-    the first mesh to the last: where cells at edges are small its part is too small to be seen in the values.
+    The doubt is at least what the smooth part alone would leave.
     """
     powers = np.array([[1.0, h**edge, h**smooth] for h in sizes])
-    limit = float(np.linalg.solve(powers, np.asarray(values))[0])
+    limit = of_both = float(np.linalg.solve(powers, np.asarray(values))[0])
+    order = observed_order(sizes, values)
+    if order is not None and order >= LOWEST_ORDER:
+        limit = extrapolated(sizes, values, min(max(order, edge), smooth))
     least = abs(values[2] - values[1]) * share_left(sizes, smooth)
-    most = abs(values[2] - values[0]) * share_left(sizes[::2], edge)
-    doubt = max(abs(values[2] - limit), least, most)
+    doubt = max(abs(values[2] - limit), abs(limit - of_both), least, left_by_edge)
     return Convergence(limit, doubt=doubt, of_limit=doubt)
 
 
