@@ -45,8 +45,8 @@ class SweepRow:
     unfolding_kpa
         Pressure at which the closed form is fully unfolded.
     axisymmetric, uncertainty, level
-        The axisymmetric answer of its finest mesh, extrapolated where that is better, its discretisation uncertainty in
-        the same unit, and that mesh.
+        The axisymmetric answer, its discretisation uncertainty in the same unit, and the finest mesh that it is of, or
+        that it is extrapolated.
     unstable_modes
         Number of the axisymmetric model's unstable modes.
     closed_form_percent, closed_form_balanced_percent, closed_form_seat_percent
@@ -120,7 +120,7 @@ def solved_rows(variant: Variant, scene: BellowsScene, runs: Sequence[Run], faul
                 unfolding_kpa=unfolding,
                 axisymmetric=tip.value,
                 uncertainty=tip.uncertainty,
-                level=level,
+                level=tip.level or level,
                 unstable_modes=next((r.value for r in here if r.quantity == "unstable_modes"), math.nan),
                 **{f"{chain}_percent": difference_percent(value, tip.value) for chain, value in chains.items()},
                 status=FAILED + fault if fault else tip.status,
