@@ -30,6 +30,7 @@ from studies.results.runs import Run
 from studies.scene.bellows import BellowsScene
 from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import MeshGeometry
+from studies.scene.elements import locks
 from studies.scene.load import Scene
 
 SMALL = 0.01
@@ -146,6 +147,11 @@ def _remedy(scene: Scene, worst: Shortfall) -> str:
         flat = "axisymmetric" in models_of(scene) if isinstance(scene, BodyScene) else not scene.geometry.eccentricity
         closer = "ask for --model axisymmetric, which is exact for this scene and finer, or " if flat else ""
     if not math.isfinite(worst.reached_percent):
+        if locks(scene.mesh):
+            return (
+                "Linear displacements lock: their meshes may agree on a value that is wrong by more. To do: set "
+                'mesh.element = "auto"'
+            )
         if isinstance(scene, BodyScene) and isinstance(scene.geometry, MeshGeometry):
             closer += "give a coarser mesh, small enough to be solved with its edges halved too, or "
         return f"To do: {closer}leave out the loads that other meshes do not reach"

@@ -6,7 +6,7 @@ from studies.planning.error_model import MERIDIAN_SHARE, around_for, choose, kno
 from studies.planning.levels import FINER_MERIDIANS, MERIDIANS, Model
 from studies.planning.plan import Plan, tolerance_lines, ways
 from studies.scene.bellows import RING_ERROR_PERCENT, BellowsScene, in_hexahedra
-from studies.scene.elements import USUAL_ELEMENTS
+from studies.scene.elements import USUAL_ELEMENTS, locks
 from studies.scene.meshes import solved_part, symmetry_note
 from studies.scene.sections import SceneError
 
@@ -47,7 +47,7 @@ def plan_bellows(
     coarsest = meridians_for(choice)[0] if choice is not None and stop_when_met else MERIDIANS[0]
     levels = tuple(f"r{m}" for m in MERIDIANS if m >= coarsest)
     fixed = every_level or bool(around)
-    finer = () if fixed else tuple(f"r{m}" for m in FINER_MERIDIANS)
+    finer = () if fixed or locks(scene.mesh) else tuple(f"r{m}" for m in FINER_MERIDIANS)
     one_mesh = stop_when_met and coarsest == MERIDIANS[0] and tells_its_error(scene)
     if chosen == "axisymmetric":
         return Plan(

@@ -10,6 +10,7 @@ from studies.planning.levels import FINER_MERIDIANS, MERIDIANS, MOST_UNKNOWNS, M
 from studies.planning.plan import Plan, tolerance_lines, ways
 from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import CylinderGeometry, MeshGeometry, TubeGeometry
+from studies.scene.elements import locks
 from studies.scene.sections import SceneError
 
 # Meshes of a model, coarsest first; docs/decisions.md has what errors they leave. In a body n is what the other counts
@@ -98,6 +99,8 @@ def _levels(scene: BodyScene, model: Model) -> tuple[str, ...]:
 
 def _finer(scene: BodyScene, model: Model) -> tuple[str, ...]:
     kind = scene.geometry.kind
+    if locks(scene.mesh):
+        return ()
     if model == "axisymmetric" and kind != "mesh":
         return tuple(f"r{m}" for m in FINER_MERIDIANS)
     return {"ring": FINER_RINGS, "block": FINER_BLOCKS, "cook": FINER_COOK, "mesh": FINER_USER}.get(kind, FINER_AROUND)

@@ -20,9 +20,9 @@ from studies.results.runs import (
     tip_convergence,
     value_status,
 )
-from studies.results.uncertainty import SAFETY, SAFETY_IN_DOUBT, Convergence
+from studies.results.uncertainty import SAFETY, SAFETY_IN_DOUBT, UNKNOWN, Convergence
 from studies.scene.bellows import BellowsScene, TipQuantity, in_hexahedra
-from studies.scene.elements import USUAL_ELEMENTS
+from studies.scene.elements import USUAL_ELEMENTS, locks
 
 UNITS: dict[TipQuantity, str] = {"tip_mm": "mm", "tip_force_n": "N"}
 CHECKS = {
@@ -75,7 +75,9 @@ def _rows_at(scene: BellowsScene, quantity: TipQuantity, pressure: float, runs: 
     """Rows of what is requested of the tip at one pressure, kPa."""
     rows: list[Row] = []
     axisymmetric, bodies = of_model(runs, "axisymmetric"), [*of_model(runs, "sector"), *of_model(runs, "full3d")]
-    meridian = tip_convergence(axisymmetric, pressure, MERIDIAN_ORDERS, quantity)
+    meridian = UNKNOWN
+    if not locks(scene.mesh):
+        meridian = tip_convergence(axisymmetric, pressure, MERIDIAN_ORDERS, quantity)
     tips = [_tip_on(run, scene, axisymmetric, meridian, pressure, quantity) for run in (*axisymmetric, *bodies)]
     extrapolates = quantity == scene.main_quantity and scene.mesh.element in USUAL_ELEMENTS
     if extrapolates and math.isfinite(meridian.of_limit):

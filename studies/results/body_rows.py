@@ -9,9 +9,10 @@ from dataclasses import replace
 from studies.results.exact_answers import exact_crossing_kpa, known_value
 from studies.results.rows import REACHED, Row, row
 from studies.results.runs import Run, run_convergence, state_rows, value_status
-from studies.results.uncertainty import EDGE_ORDER, Convergence, Orders
+from studies.results.uncertainty import EDGE_ORDER, UNKNOWN, Convergence, Orders
 from studies.scene.bodies import LIMIT_VOLUME, BodyScene
 from studies.scene.body_geometry import TubeGeometry
+from studies.scene.elements import locks
 
 # Orders to expect: quadratic displacements have an error of the third; where an end is held the wall has corners, and
 # three levels of a bonded tube show an order of 1.3. A user's mesh may have corners anywhere.
@@ -81,7 +82,9 @@ def _no_crossing(run: Run, quantity: str) -> str:
 
 
 def _convergence(scene: BodyScene, runs: Sequence[Run], values: Sequence[float]) -> Convergence:
-    """Convergence over the finest levels that have a value."""
+    """Convergence over the finest levels that have a value; unknown of elements that lock."""
+    if locks(scene.mesh):
+        return UNKNOWN
     g = scene.geometry
     ends = g.ends if isinstance(g, TubeGeometry) else ""
     corners = g.kind in ("cook", "ventricle", "mesh") or ends == "bonded"

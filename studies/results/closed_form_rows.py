@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -45,6 +45,7 @@ def closed_form_values(scene: BellowsScene, pressure_kpa: float) -> list[tuple[s
     return out
 
 
+@cache
 def free_wall_mm(shape: BellowsShape) -> float:
     """Length of the wall's middle line between a seat and the middle of the next root, mm."""
     pieces = [s.length_mm for s in wall_segments(shape) if s.kind in ("crest", "side", "root")]
@@ -119,7 +120,7 @@ def _closed_form_value(
     return _elongation(chain, dimensions, law, pressure_kpa)
 
 
-@functools.cache
+@cache
 def _elongation(chain: Chain, dimensions: BellowsDimensions, law: Law, pressure_kpa: float) -> tuple[float, str]:
     """A chain's elongation, mm, and its state; kept, for a study's variants and audits ask for the same again."""
     answer = chain(dimensions, law, pressure_kpa)

@@ -35,6 +35,11 @@ class BellowsMesh(Mesh):
     symmetry: Literal["auto", "off"] = "auto"
 
 
+def locks(mesh: Mesh) -> bool:
+    """True if an element locks: then its meshes agree on a value that is wrong by much more."""
+    return mesh.element == "tet-p1"
+
+
 def element_faults(mesh: Mesh, kappa_over_mu: float) -> list[str]:
     """What is wrong with an element for a material or with a solver for an element."""
     if mesh.solver == "iterative" and mesh.element == "tet-p1":

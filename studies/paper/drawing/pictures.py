@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Final
@@ -65,17 +68,25 @@ def draw_all(folder: Path, results: PaperResults) -> dict[str, str]:
     add("mesh", lambda path: _draw_setup(path, REFERENCE_SCENES[2], meshes.draw_meshes, (meshes,)))
     add("roots", lambda path: _draw_roots(path, results))
     top = stretch_top(results)
-    for name in REFERENCE_SCENES:
-        stills = _stills(results.named(name))
-        add(
-            STATES + name,
-            lambda path, stills=stills: _draw_stills(path, stills, lambda: draw_states(path, stills, top), top),  # type: ignore[misc]
-        )
     name, pressure = FIGURE_4B
     pair = _stills(results.named(name), (pressure,))
     pair = [replace(still, label=f"{name}, {still.label}") for still in pair]
-    add("figure4b", lambda path: _draw_stills(path, pair, lambda: draw_side_by_side(path, pair)))
+    drawn = {
+        STATES + name: partial(_draw_states, stills=_stills(results.named(name)), top=top) for name in REFERENCE_SCENES
+    }
+    drawn["figure4b"] = partial(_draw_pair, stills=pair)
+    found |= dict.fromkeys(drawn, "")  # in this order
+    with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as waiting:  # each is drawn by a process of its own
+        list(waiting.map(add, drawn.keys(), drawn.values()))
     return found
+
+
+def _draw_states(path: Path, stills: list[Still], top: float | None) -> str:
+    return _draw_stills(path, stills, lambda: draw_states(path, stills, top), top)
+
+
+def _draw_pair(path: Path, stills: list[Still]) -> str:
+    return _draw_stills(path, stills, lambda: draw_side_by_side(path, stills))
 
 
 def _draw_setup(path: Path, name: str, draw: Callable[[Path, str], str], code: Sequence[ModuleType]) -> str:
