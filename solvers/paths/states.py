@@ -32,6 +32,9 @@ class PathSettings:
         Pressure or volume: the one that needs fewer factorisations where both work; docs/decisions.md has the count.
     first_step, largest_step
         Volume steps as fractions of the unloaded volume.
+    largest_share
+        A step in volume may be this share of the volume, where that is more: a balloon may have to grow hundredfold
+        until its pressure has risen again, or to show that it never comes to the one that is asked.
     first_pressure_step, largest_pressure_step
         Pressure steps as fractions of the highest asked pressure; arc length begins with one of them.
     largest_arc_step
@@ -45,9 +48,6 @@ class PathSettings:
         that share.
     largest_volume
         The path ends when the cavity exceeds this multiple of its unloaded volume.
-    growth_beyond
-        Beyond a limit point a step in volume may be this share of the volume: a balloon may have to grow hundredfold
-        until its pressure has risen again.
     crossing_tolerance
         A change of the number of unstable modes is located to this share of the pressure; 0 leaves it unlocated.
     newton
@@ -58,6 +58,7 @@ class PathSettings:
     start_control: ControlName = "volume"
     first_step: float = 0.3
     largest_step: float = 0.5
+    largest_share: float = 0.1
     first_pressure_step: float = 0.05
     largest_pressure_step: float = 0.5
     largest_arc_step: float = 0.25
@@ -68,7 +69,6 @@ class PathSettings:
     shrink: float = 0.6
     soft: float = 0.1
     largest_volume: float = 40.0
-    growth_beyond: float = 0.1
     crossing_tolerance: float = 1e-5
     newton: NewtonSettings = field(default_factory=NewtonSettings)
 

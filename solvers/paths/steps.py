@@ -112,10 +112,9 @@ class Follower:
         }
 
     def largest_step(self, walk: Walk, control: ControlName) -> float:
-        """Size of the largest step under a control."""
-        beyond = control == "volume" and not math.isnan(walk.limit_mpa)
+        """Size of the largest step under a control; in volume a share of it where it has grown manifold."""
         grown = walk.here.volume_mm3 - self.problem.volume_start_mm3
-        return max(self.largest[control], self.settings.growth_beyond * grown if beyond else 0.0)
+        return max(self.largest[control], self.settings.largest_share * grown if control == "volume" else 0.0)
 
     def first_step(self, control: ControlName) -> float:
         """Size of the first step under a control."""

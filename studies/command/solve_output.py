@@ -116,6 +116,8 @@ def verdict(result: SceneResult[Scene]) -> str:
     percent = worst_percent(result.answers)
     if result.missed:
         return result.shortfall
+    if not result.answers:
+        return f"{tolerance}: asked of no value, as there is none"
     if not math.isfinite(percent):
         return f"{tolerance}: cannot be told from one mesh ({name})"
     return f"{tolerance}: met, {name} is certain within {percent:.2g} %"

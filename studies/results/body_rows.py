@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from solvers.errors import Cause
 from studies.results.exact_answers import exact_crossing_kpa, known_value
 from studies.results.rows import REACHED, Row, row
 from studies.results.runs import Run, run_convergence, state_rows, value_status
@@ -54,9 +55,9 @@ def _rows_at(scene: BodyScene, runs: Sequence[Run], load: float) -> list[Row]:
 
 
 def _crossing_rows(scene: BodyScene, runs: Sequence[Run], quantity: str) -> list[Row]:
-    """Where stability was lost, and how many modes became unstable there."""
+    """Where stability was lost, of a limit point only if it was at one, and how many modes became unstable there."""
     known = exact_crossing_kpa(scene)
-    crossings = [run.summary.crossing for run in runs]
+    crossings = [None if quantity == "limit_kpa" and _bifurcates(run) else run.summary.crossing for run in runs]
     found = [float(c["pressure_kpa"]) if c else math.nan for c in crossings]
     spread = _convergence(scene, runs, found)
     rows = []
@@ -73,8 +74,17 @@ def _crossing_rows(scene: BodyScene, runs: Sequence[Run], quantity: str) -> list
     return rows
 
 
+def _bifurcates(run: Run) -> bool:
+    crossing = run.summary.crossing
+    return bool(crossing) and crossing["kind"] == Cause.BIFURCATION
+
+
 def _no_crossing(run: Run, quantity: str) -> str:
-    """Up to where stability was not lost."""
+    """Up to where stability was not lost, or to where it was lost in another way."""
+    if quantity == "limit_kpa" and _bifurcates(run):
+        crossing = run.summary.crossing
+        modes = f"unstable modes {crossing['modes_before']} -> {crossing['modes_after']}"
+        return f"none up to {float(crossing['pressure_kpa']):.6g} kPa, where a bifurcation ({modes}) ends the path"
     top = f"{max((r.pressure_kpa for r in run.path), default=0.0):.6g} kPa"
     if run.summary.status != REACHED:
         return f"stopped at {top}: {run.summary.reason}"

@@ -308,3 +308,30 @@ def test_models_a_body_has_not_are_refused(scene) -> None:
         result = run("plan", scene(name), "--model", model)
         assert result.exit_code == 2
         assert said in result.output
+
+
+def test_a_bifurcation_is_no_limit_point(tmp_path) -> None:
+    # the pressure in a stiffening tube has no maximum, p = int mu (l^a - l^-a) / (l (l^2 - 1)) dl rises on and on, but
+    # a wave along it grows inside from 393 kPa on; a drawn scene was told that pressure as the limit point
+    text = """name = "tube"
+[geometry]
+kind = "tube"
+inner_radius_mm = 8.11
+outer_radius_mm = 31.467
+length_mm = 10.8
+ends = "plane-strain"
+[material]
+law = "ogden"
+mu_kpa = 52.1
+alpha = 6.26
+convention = "mu/alpha"
+[load]
+pressure_kpa = [70.64]
+[ask]
+quantities = ["limit_kpa"]
+"""
+    path = tmp_path / "tube.toml"
+    path.write_text(text, encoding="utf-8")
+    limit = finest(solved(path, tmp_path / "out"), "limit_kpa")[0]
+    assert math.isnan(limit.value) and limit.status.startswith("none up to 3")
+    assert limit.status.endswith("where a bifurcation (unstable modes 0 -> 1) ends the path")
