@@ -47,17 +47,22 @@ def principal_stretches(mesh: MeshArrays, state: State) -> FloatArray:
     ndarray
         Shape (nodes, 3).
     """
-    reference = np.moveaxis(lagrange_at_nodes(_cell_name(mesh), 2)[1:], 0, -1)
-    sums = np.zeros((len(mesh.points), 3, 3))
-    count = np.zeros(len(mesh.points))
+    at_nodes = lagrange_at_nodes(_cell_name(mesh), 2)[1:]  # (directions, places, nodes)
+    reference, places = at_nodes.transpose(2, 1, 0).reshape(at_nodes.shape[2], -1), at_nodes.shape[1]
+    sums, count = np.zeros((3, 3, len(mesh.points))), np.bincount(mesh.cells.ravel(), minlength=len(mesh.points))
+
+    def slopes(vectors: FloatArray) -> FloatArray:
+        """Derivatives of nodal vectors (cells, nodes, 3) by the reference coordinates, (cells, places, 3, 3)."""
+        found = np.swapaxes(vectors, 1, 2) @ reference
+        return found.reshape(len(vectors), 3, places, 3).transpose(0, 2, 1, 3)
+
     for first in range(0, len(mesh.cells), 20000):  # blocks keep the memory small
         cells = mesh.cells[first : first + 20000]
-        jacobian = np.einsum("cki,qkj->cqij", mesh.points[cells], reference)
-        slope = np.einsum("cki,qkj->cqij", state.displacement_mm[cells], reference)
-        gradient = np.eye(3) + slope @ np.linalg.inv(jacobian)
-        np.add.at(sums, cells, np.swapaxes(gradient, -1, -2) @ gradient)
-        np.add.at(count, cells, 1.0)
-    return np.sqrt(np.linalg.eigvalsh(sums / count[:, None, None]))
+        gradient = np.eye(3) + slopes(state.displacement_mm[cells]) @ np.linalg.inv(slopes(mesh.points[cells]))
+        cauchy_green = np.swapaxes(gradient, -1, -2) @ gradient
+        for i, j in ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)):  # the lower half is what is read below
+            sums[i, j] += np.bincount(cells.ravel(), cauchy_green[..., i, j].ravel(), len(mesh.points))
+    return np.sqrt(np.linalg.eigvalsh((sums / count).transpose(2, 0, 1)))
 
 
 def pressure_at_nodes(mesh: MeshArrays, state: State) -> FloatArray:

@@ -48,6 +48,9 @@ class NewtonSettings:
         An increment is cut when it would take det F below this at a quadrature point.
     line_search
         Halvings of an increment that does not reduce the residual; the best of the lengths tried is taken.
+    counted
+        False where nobody asks for the stability of what is found, nor where the path goes on from it: the factor at
+        the converged state, which takes one more factorisation, is left out.
     """
 
     relative_tolerance: float = 1e-8
@@ -60,6 +63,7 @@ class NewtonSettings:
     max_cuts: int = 6
     least_det_f: float = 0.05
     line_search: int = 1
+    counted: bool = True
 
 
 @dataclass(frozen=True)
@@ -76,12 +80,12 @@ class NewtonReport:
         Smallest det F and largest principal stretch (of the elastomer) at quadrature points.
     excess_negatives
         Negative eigenvalues of the tangent at the converged state beyond the expected; None if the load is not
-        conservative.
+        conservative, or nobody asks.
     compliance_mm3_per_mpa
-        dV/dP of the path at the converged state.
+        dV/dP of the path at the converged state; NaN if nobody asks.
     rate
-        Change of the state with the load factor along the path, 1/MPa; None where bodies have turned, whose rotations
-        do not add up, and with contact, which makes paths that are not smooth.
+        Change of the state with the load factor along the path, 1/MPa; None if nobody asks, where bodies have turned,
+        whose rotations do not add up, and with contact, which makes paths that are not smooth.
     """
 
     iterations: int
@@ -149,6 +153,8 @@ def solve_equilibrium(
         stalled |= fresh and 0.5 * error < new_error <= settings.round_off
         if new_error <= settings.relative_tolerance or stalled:
             det_f, stretch = _check_state(problem)
+            if not settings.counted:
+                return NewtonReport(iteration, factor.count - before, new_error, det_f, stretch, None, math.nan)
             factor.refresh()  # the stability count is that of the converged state
             toward = factor.solve(*here.force)
             compliance = joint_dot(problem.comm, here.gradient, toward)

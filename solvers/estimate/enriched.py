@@ -22,6 +22,9 @@ from solvers.linear.factor import Factor
 from solvers.problem import Problem
 from solvers.state import State
 
+# An error is asked for in two or three digits: by this tolerance it has five.
+ROUGH = NewtonSettings(relative_tolerance=1e-5, counted=False)
+
 
 class Enriched:
     """Equilibria in the richer space next to given ones.
@@ -60,7 +63,7 @@ class Enriched:
         for start in [None] if self._correction is None else [self._correction, None]:
             set_richer(self.problem, state, start)
             try:
-                solve_equilibrium(self.problem, self.factor, NewtonSettings(), HeldLoad(state.load_mpa))
+                solve_equilibrium(self.problem, self.factor, ROUGH, HeldLoad(state.load_mpa))
             except StepFailed as error:
                 failure = error
                 continue

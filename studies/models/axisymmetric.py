@@ -13,6 +13,7 @@ from solvers.linear.factor import Factor
 from solvers.paths.orders import follow_loads
 from solvers.paths.states import Path as EquilibriumPath
 from solvers.paths.states import PathMemory, PathSettings, PathState
+from solvers.problem import Problem
 from studies.models.build import Tip, masses_g, scene_problem
 from studies.models.contact import MODELLED, ContactWatch
 from studies.models.finer.start import Coarser, follow_from
@@ -34,6 +35,7 @@ def run_axisymmetric(
     progress: Progress,
     modes: bool = False,
     coarser: Coarser | None = None,
+    problems: dict[int, Problem] | None = None,
 ) -> Run:
     """The axisymmetric path of a scene on one mesh, solved on rank 0 and known to all; of a core off the axis, centred.
 
@@ -47,6 +49,8 @@ def run_axisymmetric(
         True to count the unstable modes of m = 0…6 at the requested pressures, on the meridians that are counted.
     coarser
         The same on a coarser meridian, whose states are the first guesses; None to follow the path.
+    problems
+        By refinement those of the same scene that were solved before, on which modes can be counted; this one is added.
 
     Raises
     ------
@@ -54,10 +58,13 @@ def run_axisymmetric(
         On every rank, if rank 0 failed.
     """
     scene = without_eccentricity(scene)
+    kept = {} if problems is None else problems
 
     def run() -> Run:
-        found = _finished(scene, refinement, folder) or _solve(scene, refinement, folder, progress, coarser)
-        return with_modes(scene, refinement, folder, found) if modes and refinement in COUNTED_LEVELS else found
+        found = _finished(scene, refinement, folder) or _solve(scene, refinement, folder, progress, coarser, kept)
+        if not modes or refinement not in COUNTED_LEVELS:
+            return found
+        return with_modes(scene, refinement, folder, found, kept.get(refinement))
 
     return on_first_rank(comm, run)
 
@@ -71,7 +78,14 @@ def _finished(scene: BellowsScene, refinement: int, folder: Path) -> Run | None:
     return None if None in states else run
 
 
-def _solve(scene: BellowsScene, refinement: int, folder: Path, progress: Progress, coarser: Coarser | None) -> Run:
+def _solve(
+    scene: BellowsScene,
+    refinement: int,
+    folder: Path,
+    progress: Progress,
+    coarser: Coarser | None,
+    kept: dict[int, Problem],
+) -> Run:
     job = begin(scene, "axisymmetric", f"r{refinement}", folder, progress)
     mesh = scene_meridian(scene, refinement)
     meshed = time.perf_counter() - job.begin
@@ -109,6 +123,8 @@ def _solve(scene: BellowsScene, refinement: int, folder: Path, progress: Progres
         return scene_meridian(scene, fineness(coarser.level))
 
     path = follow_from(coarser, coarse_mesh, log, whole, touches)
+    if refinement in COUNTED_LEVELS and not watch.modelled:
+        kept[refinement] = problem
     return log.finish(path, mesh, masses_g(scene, mesh))
 
 

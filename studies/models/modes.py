@@ -97,7 +97,7 @@ def read_shape(folder: Path, waves: int) -> tuple[State, Shape]:
         return state, Shape(waves, data["amplitude_mm"], data["mode_bodies_mm"])
 
 
-def with_modes(scene: BellowsScene, refinement: int, folder: Path, run: Run) -> Run:
+def with_modes(scene: BellowsScene, refinement: int, folder: Path, run: Run, problem: Problem | None = None) -> Run:
     """An actuator's axisymmetric run with its counts; they are made if they are not there.
 
     Parameters
@@ -108,6 +108,8 @@ def with_modes(scene: BellowsScene, refinement: int, folder: Path, run: Run) -> 
         Where the run is kept, its states among it.
     run
         The finished run.
+    problem
+        Its problem, if that is at hand; its state is changed.
 
     Returns
     -------
@@ -122,7 +124,11 @@ def with_modes(scene: BellowsScene, refinement: int, folder: Path, run: Run) -> 
     touching: Callable[[PathRow], bool] | None = None
     if any(note.startswith(MODELLED) for note in run.summary.plan):
         touching = partial(may_touch, scene)  # the harmonics know nothing of contact
-    return count_run(folder, run, lambda: scene_problem(scene, mesh, MPI.COMM_SELF), tip.mean_mm, at_rest, touching)
+
+    def make() -> Problem:
+        return problem or scene_problem(scene, mesh, MPI.COMM_SELF)
+
+    return count_run(folder, run, make, tip.mean_mm, at_rest, touching)
 
 
 def is_counted(folder: Path, run: Run) -> bool:
@@ -229,7 +235,8 @@ def _count(
     """Counts by requested pressure (kPa), crossings, and the files of their shapes."""
     points, counts, by_pressure = [], [], {}
     if at_rest:
-        points.append(PathPoint(problem.zero_state(), problem.cavity_volume(), math.nan, 0))
+        problem.set_state(problem.zero_state())
+        points.append(PathPoint(problem.get_state(), problem.cavity_volume(), math.nan, 0))
         counts.append((0,) * len(WAVES))
     counter = ModeCounter(problem)
     for row in rows:

@@ -12,6 +12,7 @@ from mpi4py import MPI
 
 from solvers.atomic import write_atomically
 from solvers.paths.orders import UNSTABLE
+from solvers.problem import Problem
 from studies.models.axisymmetric import run_axisymmetric
 from studies.models.closed_form import run_closed_form
 from studies.models.errors.runs import with_errors
@@ -263,8 +264,10 @@ def _bellows_runs(scene: BellowsScene, plan: Plan, folder: Path, comm: MPI.Comm,
             return _within_tolerance(scene, runs)
         return good_meridian(scene, runs, plan.body_levels) is not None
 
+    problems: dict[int, Problem] = {}
+
     def solve(level: str, before: Run | None) -> Run:
-        run = _flat(scene, level, before, folder, comm, progress)
+        run = _flat(scene, level, before, folder, comm, progress, problems)
         if plan.one_mesh and before is None:
             return on_first_rank(comm, lambda: with_errors(scene, folder / f"axisymmetric-{level}", run))
         return run
@@ -272,7 +275,8 @@ def _bellows_runs(scene: BellowsScene, plan: Plan, folder: Path, comm: MPI.Comm,
     flat = plan if plan.model == "axisymmetric" else plan.as_fixed()
     runs = until_good_enough(flat, solve, good_enough, "axisymmetric")
     if scene.ask.modes and plan.model != "full3d":  # the whole body's inertia counts them all
-        runs = _counted(scene, runs, folder, comm, progress)
+        runs = _counted(scene, runs, folder, comm, progress, problems)
+    problems.clear()
     if plan.model == "closed_form":
         run_closed_form(scene, folder, comm)
     if not plan.around_levels:
@@ -281,10 +285,18 @@ def _bellows_runs(scene: BellowsScene, plan: Plan, folder: Path, comm: MPI.Comm,
     return _refined_in_3d(scene, plan, runs, bodies, folder, comm, progress)
 
 
-def _flat(scene: BellowsScene, level: str, before: Run | None, folder: Path, comm: MPI.Comm, progress: Progress) -> Run:
+def _flat(
+    scene: BellowsScene,
+    level: str,
+    before: Run | None,
+    folder: Path,
+    comm: MPI.Comm,
+    progress: Progress,
+    problems: dict[int, Problem] | None = None,
+) -> Run:
     """An axisymmetric run, from the states of the one on the level before."""
     place, coarser = folder / f"axisymmetric-{level}", _kept(before, folder)
-    return run_axisymmetric(scene, fineness(level), place, comm, progress, coarser=coarser)
+    return run_axisymmetric(scene, fineness(level), place, comm, progress, coarser=coarser, problems=problems)
 
 
 def _kept(run: Run | None, folder: Path) -> Coarser | None:
@@ -292,13 +304,21 @@ def _kept(run: Run | None, folder: Path) -> Coarser | None:
     return None if run is None else Coarser(run, folder / f"{run.summary.model}-{run.summary.level}")
 
 
-def _counted(scene: BellowsScene, runs: list[Run], folder: Path, comm: MPI.Comm, progress: Progress) -> list[Run]:
+def _counted(
+    scene: BellowsScene,
+    runs: list[Run],
+    folder: Path,
+    comm: MPI.Comm,
+    progress: Progress,
+    problems: dict[int, Problem],
+) -> list[Run]:
     """The runs, the finest of those whose modes are counted with its counts."""
     levels = [level for level in (fineness(run.summary.level) for run in runs) if level in COUNTED_LEVELS]
     if not levels:
         return runs
     name = f"r{levels[-1]}"
-    run = run_axisymmetric(scene, levels[-1], folder / f"axisymmetric-{name}", comm, progress, modes=True)
+    place = folder / f"axisymmetric-{name}"
+    run = run_axisymmetric(scene, levels[-1], place, comm, progress, modes=True, problems=problems)
     return [run if old.summary.level == name else old for old in runs]
 
 
