@@ -33,8 +33,9 @@ class PathSettings:
     first_step, largest_step
         Volume steps as fractions of the unloaded volume.
     largest_share
-        A step in volume may be this share of the volume, where that is more: a balloon may have to grow hundredfold
-        until its pressure has risen again, or to show that it never comes to the one that is asked.
+        Beyond a limit point, and where the volume has grown tenfold, a step in volume may be this share of it: a
+        balloon may have to grow hundredfold until its pressure has risen again, or to show that it never comes to the
+        one that is asked.
     first_pressure_step, largest_pressure_step
         Pressure steps as fractions of the highest asked pressure; arc length begins with one of them.
     largest_arc_step

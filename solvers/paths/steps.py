@@ -85,6 +85,10 @@ class Aim:
     guess: State
 
 
+# What counts as manifold growth of a volume.
+MANIFOLD = 10.0
+
+
 class Follower:
     """Settings and surroundings of one call of `follow_path`, so that its parts need not hand them on."""
 
@@ -112,9 +116,10 @@ class Follower:
         }
 
     def largest_step(self, walk: Walk, control: ControlName) -> float:
-        """Size of the largest step under a control; in volume a share of it where it has grown manifold."""
+        """Size of the largest step under a control; in volume a share of it beyond a limit point or manifold growth."""
         grown = walk.here.volume_mm3 - self.problem.volume_start_mm3
-        return max(self.largest[control], self.settings.largest_share * grown if control == "volume" else 0.0)
+        far = not math.isnan(walk.limit_mpa) or grown > MANIFOLD * self.unit["volume"]
+        return max(self.largest[control], self.settings.largest_share * grown if far and control == "volume" else 0.0)
 
     def first_step(self, control: ControlName) -> float:
         """Size of the first step under a control."""

@@ -53,7 +53,7 @@ def reference_of(body: str, measured: Mapping[Cell, Measurement]) -> Reference:
         return Reference()
     values = [alike[level] for level in levels]
     found = convergence([1.0 / level for level in levels], values, MERIDIAN_ORDERS)
-    uncertainty = 100.0 * found.uncertainty(values[-1]) / abs(found.limit)
+    uncertainty = 100.0 * found.of_limit / abs(found.limit)
     names = ", ".join(f"r{level}" for level in levels)
     return Reference(found.limit, uncertainty, f"axisymmetric {element} {names}, extrapolated")
 

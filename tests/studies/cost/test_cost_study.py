@@ -41,8 +41,8 @@ def point(work_s: float, error: float, level: str = "hex r1 auto 1x2", model: st
 
 
 def made_up_rows() -> list[Row]:
-    # errors of orders 1 and 3 about a limit of 20 mm
-    measured = {cell: made_up(20.0 + 0.6 / 2**k + 0.2 / 8**k, 10.0**k) for k, cell in enumerate(MERIDIANS)}
+    # errors of order 2 about a limit of 20 mm
+    measured = {cell: made_up(20.0 + 0.8 / 4**k, 10.0**k) for k, cell in enumerate(MERIDIANS)}
     measured[BODY] = made_up(20.1, 30.0, 50_000)
     return measured_rows(measured)
 
