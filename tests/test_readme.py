@@ -19,7 +19,7 @@ NAMES = {
     "t = 2 mm, R_i = 7 mm, Dragon Skin 30": "heung-t2-ri7",
 }
 PRESSURES = ("5", "10", "15", "20")
-AUDIT_LEVELS = ("r3", "r8", "n12r3")
+AUDIT_LEVELS = ("r3", "r8", "n12r3", "n24r3")
 
 
 @cache

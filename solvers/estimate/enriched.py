@@ -4,7 +4,7 @@ With degrees two higher (`solvers.discrete.elements.ENRICHED`) a smooth error is
 quarters of that of a singular edge, where displacements go as r^(1/2): it falls as h/p^2. So the difference of a
 quantity in the richer equilibrium is its error, with a sign and somewhat too small. Newton starts from the state and
 from what the state before it on the path lacked. Cells of degree 4 on r1 have as many unknowns as the usual ones on r2,
-and three to five factorisations at a requested load take the place of a path. The shape of the cells stays as it is.
+and a few factorisations at a requested load take the place of a path. The shape of the cells stays as it is.
 
 Linearised at the state the difference is the dual-weighted residual (`solvers.estimate.dual`). That is enough where the
 error of the state is small; at the seats of thin walls under much pressure it is not.

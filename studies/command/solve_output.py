@@ -15,6 +15,7 @@ from rich.table import Table
 
 from studies.models.session import SceneResult
 from studies.models.tolerance import worst_percent
+from studies.planning.levels import ranking
 from studies.report.labels import model_label, ordered, quantity_label, run_label
 from studies.report.numbers import signed
 from studies.results.rows import Row, snap_of
@@ -56,7 +57,7 @@ def answers(quantity: str, rows: Sequence[Row], beside: Sequence[Row] = ()) -> t
     Of another quantity of the answer, ``beside``, a column comes last.
     """
     of_it = [row for row in rows if row.quantity == quantity and row.model not in OTHER_CHAINS]
-    levels = {row.model: row.level for row in of_it}  # levels ascend, so the last row of a model is its finest
+    levels = {row.model: row.level for row in sorted(of_it, key=lambda row: ranking(row.level))}  # each model's finest
     models = ordered(levels)
     best = next((model for model in BEST if model in models), models[-1])
     exact = any(math.isfinite(row.reference) and row.source.startswith(("exact", "published")) for row in of_it)
@@ -112,7 +113,7 @@ def verdict(result: SceneResult[Scene]) -> str:
     if run is None:
         return ""
     tolerance = f"tolerance {result.scene.ask.tolerance_percent:g} %"
-    name = run_label(run.summary.model, run.summary.level)
+    name = run_label(run.summary.model, *(row.level for row in result.answers[-1:]))
     percent = worst_percent(result.answers)
     if result.missed:
         return result.shortfall

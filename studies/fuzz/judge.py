@@ -162,7 +162,7 @@ def _told(place: Path, code: int) -> dict[Key, Row]:
 
 
 def answers_of(scene: Scene, rows: Sequence[Row]) -> dict[Key, Row]:
-    """The finest mesh's rows of what was requested, by quantity and load; infinite where a path has no such load."""
+    """The answer's rows, the last of its model, by quantity and load; infinite where a path has no such load."""
     wanted = (scene.main_quantity,) if isinstance(scene, BellowsScene) else scene.quantities
     solved = [row for row in rows if row.model in SOLVED and row.quantity in wanted]
     found = {}

@@ -59,11 +59,6 @@ class SceneResult(Generic[SceneKind]):
         return of_model(self.runs, "axisymmetric")
 
     @property
-    def sector(self) -> tuple[Run, ...]:
-        """The runs of a sector."""
-        return of_model(self.runs, "sector")
-
-    @property
     def full3d(self) -> tuple[Run, ...]:
         """The runs of the whole body."""
         return of_model(self.runs, "full3d")
@@ -388,6 +383,6 @@ def good_meridian(scene: BellowsScene, axisymmetric: Sequence[Run], levels: Sequ
             limit = tip_convergence(axisymmetric, pressure, MERIDIAN_ORDERS, quantity).limit
             if not math.isnan(value) and not (math.isnan(limit) and len(axisymmetric) > 1):
                 errors.append(abs(value - limit) / abs(limit))
-        if all(error <= allowed for error in errors):
+        if errors and all(error <= allowed for error in errors):
             return fineness(run.summary.level)
     return None

@@ -231,13 +231,14 @@ def finer_body(
 
     The uncertainty is the meridian's part, which its axisymmetric run has too, and that of the cells round; the larger
     is made smaller, if it can. A meridian's error costs less to know better, by a finer axisymmetric run, than to make
-    smaller.
+    smaller; that of the limit is the same for every body.
     """
     if not missed or body.summary.status != "reached":
         return None
     level, model = body_level(body.summary.level), cast(Model, body.summary.model)
     worst = max(missed, key=lambda short: short.reached_percent).row
-    flat_level = LIMIT if worst.level == LIMIT else f"r{level.meridian}"
+    at_limit = worst.level == LIMIT
+    flat_level = LIMIT if at_limit else f"r{level.meridian}"
     of = (worst.quantity, "axisymmetric", flat_level, worst.pressure_kpa)
     flat = next((r.uncertainty for r in rows if (r.quantity, r.model, r.level, r.pressure_kpa) == of), math.nan)
     if not math.isfinite(worst.uncertainty):
@@ -245,9 +246,11 @@ def finer_body(
     known = [fineness(run.summary.level) for run in axisymmetric]
     following = 2 * known[-1]
     along: list[str | BodyLevel] = []
-    if known[-1] < 4 * level.meridian and following in (*MERIDIANS, *FINER_MERIDIANS):
-        along += [f"r{following}"] if may_follow(axisymmetric, f"r{following}", "axisymmetric") else []
-    along += [BodyLevel(level.around, 2 * level.meridian)] if 2 * level.meridian in known else []
+    if (at_limit or known[-1] < 4 * level.meridian) and following in (*MERIDIANS, *FINER_MERIDIANS):
+        small = len(axisymmetric) < 2 or may_follow(axisymmetric, f"r{following}", "axisymmetric")
+        along += [f"r{following}"] if small else []
+    if not at_limit and 2 * level.meridian in known:
+        along += [BodyLevel(level.around, 2 * level.meridian)]
     more = [BodyLevel(n, level.meridian) for n in rounds_of(scene, model) if n > level.around][:1]
     ways = [*more, *along] if worst.uncertainty > 2.0 * flat else [*along, *more]
     return next((way for way in ways if isinstance(way, str) or _small_enough(scene, model, way, axisymmetric)), None)

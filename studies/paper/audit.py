@@ -122,7 +122,7 @@ def _meridian_checks(case: CaseResult, meridians: Sequence[Run], told: Limit = l
     for count in range(2, len(runs) + 1):
         rows = bellows_rows(case.scene, runs[:count])
         targets = _targets(case, meridians, told, finer_than=fineness(runs[count - 1].summary.level))
-        yield from _against(case, rows, runs[count - 1], targets)
+        yield from _against(case, rows, runs[count - 1], targets, LIMIT)
 
 
 def _body_checks(results: PaperResults, case: CaseResult) -> Iterator[Check]:
@@ -134,7 +134,7 @@ def _body_checks(results: PaperResults, case: CaseResult) -> Iterator[Check]:
     if core.axisymmetric:
         targets = _targets(case, _all_meridians(results, core), limit, finer_than=_finest(case.axisymmetric))
         for run, rows in _body_rows(case):
-            yield from _against(case, rows, run, targets)
+            yield from _against(case, rows, run, targets, LIMIT)
 
 
 def _finer_body_checks(results: PaperResults, case: CaseResult) -> Iterator[Check]:
@@ -164,9 +164,11 @@ def _targets(case: CaseResult, runs: Sequence[Run], told: Limit, finer_than: int
     return found
 
 
-def _against(case: CaseResult, rows: Sequence[Row], run: Run, targets: Mapping[float, Target]) -> Iterator[Check]:
-    """Rows of a run, and of what its meshes lead to, against targets at every requested pressure that has both."""
-    for (pressure, target), level in itertools.product(targets.items(), (run.summary.level, LIMIT)):
+def _against(
+    case: CaseResult, rows: Sequence[Row], run: Run, targets: Mapping[float, Target], *more: str
+) -> Iterator[Check]:
+    """Rows of a run, and of more levels, against targets at every requested pressure that has both."""
+    for (pressure, target), level in itertools.product(targets.items(), (run.summary.level, *more)):
         row = find(rows, case.scene.main_quantity, run.summary.model, pressure, level)
         if math.isfinite(row.value + row.uncertainty + target.value):
             yield Check(case.case.scene, row, target)

@@ -145,7 +145,7 @@ AUDIT_LEVEL = 8
 CONTROL_BODY, CONTROL_BODY_LEVEL, CONTROL_KPA = THICK[0], BodyLevel(8), [10.0, 20.0]
 ON_A_QUARTER, WHOLE = "quarter", "whole"
 # The actuator with a second full 3D mesh, what that is, and the meridian its first guesses are taken from.
-AUDIT_BODY, AUDIT_BODY_LEVEL = REFERENCE_SCENES[0], BodyLevel(12, 3)
+AUDIT_BODY, AUDIT_BODY_LEVEL = REFERENCE_SCENES[0], BodyLevel(24, 3)
 
 
 @functools.cache

@@ -100,7 +100,7 @@ class CaseResult:
         return self.row(TIP, model, pressure_kpa, level)
 
     def best_tip(self, pressure_kpa: float = HIGHEST_KPA) -> Row:
-        """Elongation of the finest full 3D run, else of the finest axisymmetric one, that reached a pressure (kPa)."""
+        """Elongation by full 3D, else by the axisymmetric model, if it reached a pressure (kPa): its last row."""
         found = (self.tip(model, pressure_kpa) for model in ("full3d", "axisymmetric"))
         return next(filter(is_known, found), no_row())
 

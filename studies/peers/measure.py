@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import csv
 import json
 import math
 import sys
@@ -19,6 +18,7 @@ from studies.peers.cases import OURS, SCENE, SCRIPTS, Attempt, peer_scene, scrip
 from studies.peers.exchange import Level, write_peer_mesh
 from studies.results import provenance
 from studies.results.kept import content_key, keep, read_kept
+from studies.results.rows import read_rows
 from studies.scene.text import changed_text
 
 _STOPPED: Final = "stopped after"
@@ -121,9 +121,10 @@ def _run_ours(scene: Path, out: Path, options: Mapping[str, Any], limit_s: float
 def _result(out: Path) -> dict[str, Any]:
     """What a folder of results says, by the names that a peer's script uses."""
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
-    with (out / "path.csv").open(newline="", encoding="utf-8") as stream:
-        *_, last = csv.DictReader(stream)
-    return {"tip_mm": float(last["tip_mm"]), "dofs": summary["dofs"], "peak_mb": summary["peak_mb"], "reason": ""}
+    tips = [
+        row.value for row in read_rows(out / "rows.csv") if (row.quantity, row.model) == ("tip_mm", summary["model"])
+    ]
+    return {"tip_mm": tips[-1], "dofs": summary["dofs"], "peak_mb": summary["peak_mb"], "reason": ""}
 
 
 def _nothing(ended: mpi_children.Ended) -> dict[str, Any]:

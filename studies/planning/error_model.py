@@ -295,8 +295,11 @@ def own_meridian(choice: Choice) -> int:
     return fineness(choice.level) if choice.model == "axisymmetric" else body_level(choice.level).meridian
 
 
-def explain(scene: BellowsScene, choice: Choice) -> list[str]:
-    """Sentences for a terminal: what is expected of a choice, what is left out, and how long that would have taken."""
+def explain(scene: BellowsScene, choice: Choice, one_mesh: bool) -> list[str]:
+    """Sentences for a terminal: what is expected of a choice, what is left out, and how long that would have taken.
+
+    With ``one_mesh`` the coarsest meridian tells its own error.
+    """
     tolerance = scene.ask.tolerance_percent
     held = "within" if choice.within else "the best there is for"
     spread = math.exp(FITS[cells_of(scene)].spread)
@@ -304,14 +307,12 @@ def explain(scene: BellowsScene, choice: Choice) -> list[str]:
         f"expected of {choice.model} {choice.level}: error {choice.error_percent:.2g} % (two times of three within "
         f"a factor of {spread:.1f}), {held} a tolerance of {tolerance:g} %; about {_time(choice.seconds)}"
     ]
-    solved = meridians_for(choice)
+    solved = MERIDIANS[:1] if one_mesh else meridians_for(choice)
     checks = [m for m in solved if m != own_meridian(choice)]
     seconds = sum(predicted_seconds(scene, "axisymmetric", f"r{m}") for m in checks)
     beside = " and ".join(f"r{m}" for m in checks)
-    lines.append(
-        f"checked afterwards by axisymmetric {beside} of this scene (about {_time(seconds)}); finer meshes follow only "
-        "if the check fails"
-    )
+    check = f"axisymmetric {beside} of this scene (about {_time(seconds)})" if checks else "the mesh's own error"
+    lines.append(f"checked afterwards by {check}; finer meshes follow only if the check fails")
     left: list[tuple[Model, str]] = [("axisymmetric", f"r{m}") for m in MERIDIANS if m not in solved]
     left += [(choice.model, level) for level in candidates(scene, choice.model) if choice.model != "axisymmetric"]
     left += [("full3d", choose(scene, "full3d").level)] if choice.model == "axisymmetric" else []

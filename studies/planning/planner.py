@@ -39,5 +39,5 @@ def describe(scene: Scene, plan: Plan) -> str:
     lines += [f"warning: {text}" for text in scene_warnings(scene)]
     lines += [f"skipped: {reason}" for reason in plan.skipped]
     if plan.choice is not None and isinstance(scene, BellowsScene):
-        lines += explain(scene, plan.choice)
+        lines += explain(scene, plan.choice, plan.one_mesh)
     return "\n".join(lines)

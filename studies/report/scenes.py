@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from studies.planning.levels import ranking
+from studies.planning.levels import LIMIT, ranking
 from studies.report import scene_tables
 from studies.report.bar_charts import draw_overview, draw_times
 from studies.report.curves import Curve, draw_elongation
@@ -235,5 +235,5 @@ def _notes(scene: SceneReport) -> list[str]:
 
 
 def _levels(scenes: Sequence[SceneReport], model: str) -> list[str]:
-    found = {row.level for s in scenes for row in headlines(s) if row.model == model}
+    found = {row.level for s in scenes for row in headlines(s) if row.model == model and row.level != LIMIT}
     return [level_label(level) for level in sorted(found, key=ranking)]

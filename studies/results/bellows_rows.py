@@ -47,7 +47,8 @@ def bellows_rows(scene: BellowsScene, runs: Sequence[Run]) -> list[Row]:
     -------
     list of Row
         Meshes coarsest first, then what they lead to (`LIMIT`), where that is known better than the finest mesh's
-        value. Errors are against the last row of full 3D that reached the pressure, else of the axisymmetric model.
+        value. Errors are against the last row of full 3D if its finest mesh reached the pressure, else against that of
+        the axisymmetric model.
     """
     rows = []
     for pressure in scene.load.pressure_kpa:
@@ -79,10 +80,12 @@ def _rows_at(scene: BellowsScene, quantity: TipQuantity, pressure: float, runs: 
     if not locks(scene.mesh):
         meridian = tip_convergence(axisymmetric, pressure, MERIDIAN_ORDERS, quantity)
     tips = [_tip_on(run, scene, axisymmetric, meridian, pressure, quantity) for run in (*axisymmetric, *bodies)]
+    best = {tip.run.summary.model: tip for tip in tips}  # the finest of each model
+    best = {model: tip for model, tip in best.items() if not math.isnan(tip.value)}
     extrapolates = quantity == scene.main_quantity and scene.mesh.element in USUAL_ELEMENTS
     if extrapolates and math.isfinite(meridian.of_limit):
-        tips += [_at_limit(tip, meridian) for tip in _finest(tips) if not math.isnan(tip.value)]
-    best = {tip.run.summary.model: tip for tip in tips if not math.isnan(tip.value)}
+        best |= {model: _at_limit(tip, meridian) for model, tip in best.items() if not math.isnan(tip.of_meridian)}
+        tips += [tip for tip in best.values() if tip.level == LIMIT]
     flat, solid = best.get("axisymmetric"), best.get("full3d")
     against = solid or flat
 
@@ -145,11 +148,6 @@ def _tip_on(
         base = tip_at(_on_meridian(run, axisymmetric), pressure, quantity)
         around = _error_around(scene, run, value, base)
     return _Tip(run, run.summary.level, value, meridian.uncertainty(base) + around, base, around)
-
-
-def _finest(tips: Sequence[_Tip]) -> list[_Tip]:
-    """The last of each model."""
-    return list({tip.run.summary.model: tip for tip in tips}.values())
 
 
 def _at_limit(tip: _Tip, meridian: Convergence) -> _Tip:

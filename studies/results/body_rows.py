@@ -66,7 +66,7 @@ def _crossing_rows(scene: BodyScene, runs: Sequence[Run], quantity: str) -> list
         within = float(crossing["within_kpa"]) if crossing else math.nan
         status = REACHED if crossing else _no_crossing(run, quantity)
         of_levels = spread.uncertainty(value)
-        total = within if math.isnan(of_levels) else of_levels + within
+        total = within if math.isnan(of_levels) and not locks(scene.mesh) else of_levels + within
         rows.append(row(scene.name, quantity, "kPa", math.nan, model, value, level, total, *known, status))
         if crossing:
             jump = float(crossing["modes_after"]) - float(crossing["modes_before"])
@@ -84,7 +84,7 @@ def _no_crossing(run: Run, quantity: str) -> str:
     if quantity == "limit_kpa" and _bifurcates(run):
         crossing = run.summary.crossing
         modes = f"unstable modes {crossing['modes_before']} -> {crossing['modes_after']}"
-        return f"none up to {float(crossing['pressure_kpa']):.6g} kPa, where a bifurcation ({modes}) ends the path"
+        return f"none up to {float(crossing['pressure_kpa']):.6g} kPa, where a bifurcation ({modes}) ends the search"
     top = f"{max((r.pressure_kpa for r in run.path), default=0.0):.6g} kPa"
     if run.summary.status != REACHED:
         return f"stopped at {top}: {run.summary.reason}"

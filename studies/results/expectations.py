@@ -85,7 +85,7 @@ def _tips(scene: BellowsScene, run: Run) -> list[float]:
 def _checked_percent(scene: BellowsScene, axisymmetric: Sequence[Run], meridian: int) -> float:
     """Error that a meridian leaves, as the level before shows it, or of the first level the one after, or itself."""
     if len(axisymmetric) < 2:
-        return float(np.max(own_errors_percent(axisymmetric[0])))
+        return float(np.max(own_errors_percent(axisymmetric[0]) or [math.nan]))
     levels = [_meridian(run) for run in axisymmetric]
     at = levels.index(meridian)
     beside = axisymmetric[at - 1 if at else 1]

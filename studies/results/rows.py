@@ -35,12 +35,13 @@ class Row:
         ``closed_form_outline``, ``axisymmetric``, ``sector``, ``full3d``, ``paper_…`` for printed values, ``material``
         for laws, ``exact`` for exact solutions.
     level
-        Mesh or variant within the model, for instance ``r4`` or ``n24``; empty if there is one only.
+        Mesh or variant within the model, for instance ``r4`` or ``n24``, or ``extrapolated``: what its meshes lead to;
+        empty if there is one only.
     value
         The number; NaN if it was not reached.
     uncertainty
-        Discretisation uncertainty in the same unit; NaN where the model has none (closed form, print) or where
-        fewer than three levels were run.
+        Discretisation uncertainty in the same unit; NaN where the model has none (closed form, print) or no mesh tells
+        it.
     reference, source
         The value it is compared with and where that comes from; NaN and empty if it is compared with nothing.
     error_percent

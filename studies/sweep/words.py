@@ -59,5 +59,5 @@ def unreached(rows: Iterable[SweepRow]) -> list[str]:
 
 
 def levels(rows: Iterable[SweepRow]) -> str:
-    """Finest meshes and how many states each gave."""
+    """Finest meshes, or that states are extrapolated, and how many each gave."""
     return ", ".join(f"{level} ({number} states)" for level, number in sorted(Counter(r.level for r in rows).items()))

@@ -32,7 +32,7 @@ from studies.paper.results import CaseResult, PaperResults
 from studies.report.curves import Curve, draw_curves, set_pressure_axis
 from studies.report.labels import TIP, model_label
 from studies.report.style import BELOW, BLUE, GREEN, GREY, VERMILION, WINE, entry, figure_file, style_of
-from studies.results.runs import Run, followed
+from studies.results.runs import Run, followed, tip_at
 from studies.scene.bellows import BellowsScene
 
 WIDTH_IN: Final = 8.2
@@ -114,16 +114,18 @@ def _half(side: str, colour: str = VERMILION) -> dict[str, Any]:
 
 
 def _draw_band(axes: Axes, case: CaseResult) -> None:
-    """Draw the uncertainty of an axisymmetric path behind its line."""
+    """Draw what the meshes lead to, with its uncertainty, behind the line of the axisymmetric path."""
     rows = [row for row in series(case.rows, TIP, "axisymmetric") if math.isfinite(row.uncertainty)]
     if not rows or not case.axisymmetric:
         return
     (run,) = followed(case.axisymmetric)
     points = smooth(from_rest((state.pressure_kpa, state.tip_mm) for state in run.path))
     pressures, tips = np.transpose(points)
-    half = np.interp(pressures, [0.0, *(r.pressure_kpa for r in rows)], [0.0, *(r.uncertainty for r in rows)])
+    known = [0.0, *(r.pressure_kpa for r in rows)]
+    half = np.interp(pressures, known, [0.0, *(r.uncertainty for r in rows)])
+    middle = tips + np.interp(pressures, known, [0.0, *(r.value - tip_at(run, r.pressure_kpa) for r in rows)])
     colour = style_of("axisymmetric")["color"]
-    axes.fill_between(pressures, tips - half, tips + half, color=colour, alpha=0.35, linewidth=0.0)
+    axes.fill_between(pressures, middle - half, middle + half, color=colour, alpha=0.35, linewidth=0.0)
 
 
 def draw_conventions(path: Path, results: PaperResults) -> str:

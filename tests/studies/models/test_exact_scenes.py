@@ -334,4 +334,4 @@ quantities = ["limit_kpa"]
     path.write_text(text, encoding="utf-8")
     limit = finest(solved(path, tmp_path / "out"), "limit_kpa")[0]
     assert math.isnan(limit.value) and limit.status.startswith("none up to 3")
-    assert limit.status.endswith("where a bifurcation (unstable modes 0 -> 1) ends the path")
+    assert limit.status.endswith("where a bifurcation (unstable modes 0 -> 1) ends the search")

@@ -10,13 +10,16 @@ from typing import Any
 
 import pytest
 
+from studies.models.session import good_meridian
 from studies.models.tolerance import finer_body, first_body, marked, may_follow, sentence, shortfalls
 from studies.planning.bellows import plan_bellows
-from studies.planning.levels import MOST_UNKNOWNS, BodyLevel
+from studies.planning.levels import LIMIT, MOST_UNKNOWNS, BodyLevel
 from studies.planning.planner import describe, make_plan
 from studies.results import provenance
+from studies.results.expectations import expectation_rows
 from studies.results.rows import NOT_MET, Row, is_reached, row
 from studies.scene.load import load_bellows, load_scene
+from tests.studies.paper.paper_demo import make_run
 
 SCENES = provenance.ROOT / "scenes"
 BELLOWS = load_bellows(SCENES / "peers" / "bellows.toml")
@@ -134,6 +137,33 @@ def test_the_larger_part_of_a_bodys_error_is_made_smaller(model, level, of_merid
     if isinstance(wanted, BodyLevel):
         large = [made("axisymmetric", run.summary.level, 1000 * run.summary.dofs) for run in runs]
         assert not isinstance(finer_body(scene, rows, large, body, missed), BodyLevel)
+
+
+@pytest.mark.parametrize(
+    ("of_meridian", "flat", "wanted"),
+    [
+        (0.01, ("r1",), BodyLevel(12, 1)),
+        (0.08, ("r1",), "r2"),  # one mesh that tells its own error
+        (0.08, ("r1", "r2", "r4"), "r8"),  # a body on r2 would have the same limit
+    ],
+)
+def test_a_limit_is_known_better_by_finer_meridians_only(of_meridian, flat, wanted) -> None:
+    body = made("full3d", "n8", 20_000)
+    runs = [made("axisymmetric", name, 300 * int(name[1:]) ** 2) for name in flat]
+    rows = rows_of("tip_mm", "axisymmetric", {**{n: [(10.0, 0.2)] for n in flat}, LIMIT: [(10.0, of_meridian)]})
+    rows += rows_of("tip_mm", "full3d", {"n8": [(10.0, 0.2)], LIMIT: [(10.0, 0.1)]})
+    scene = BELLOWS.model_copy(update={"ask": BELLOWS.ask.model_copy(update={"tolerance_percent": 0.1})})
+    missed = shortfalls(scene, rows, "full3d", "n8")
+    assert [short.row.level for short in missed] == [LIMIT]
+    assert finer_body(scene, rows, runs, body, missed) == wanted
+
+
+def test_a_meridian_that_reached_nothing_shows_no_error() -> None:
+    none = [make_run(BELLOWS, "axisymmetric", level, lambda _, p: p, stop_kpa=0.0) for level in ("r1", "r2")]
+    for runs in (none[:1], none):
+        assert good_meridian(BELLOWS, runs, (1, 2)) is None
+    body = make_run(BELLOWS, "full3d", "n8", lambda _, p: p, stop_kpa=0.0)
+    assert expectation_rows(BELLOWS, [none[0], body]) == []
 
 
 def test_a_body_that_would_be_too_large_has_fewer_cells() -> None:

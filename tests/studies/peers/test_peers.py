@@ -28,7 +28,8 @@ from studies.peers.measure import (
     peer_command,
 )
 from studies.peers.rows import comparison_rows
-from studies.results.rows import read_rows
+from studies.planning.levels import LIMIT
+from studies.results.rows import read_rows, row, write_rows
 
 
 @pytest.fixture(scope="module")
@@ -239,8 +240,10 @@ def test_ours_is_solved_twice_and_read_from_its_folder(monkeypatch):
         scene, out = (Path(command[command.index(name) + 1]) for name in ("solve", "--out"))
         seen.append((out.name, 'element = "tet"' in scene.read_text(), variables["OMP_NUM_THREADS"]))
         out.mkdir()
-        (out / "summary.json").write_text(json.dumps({"dofs": 70, "peak_mb": 50.0}))
-        (out / "path.csv").write_text("tip_mm,status\n1.0,step\n9.0,requested\n")
+        (out / "summary.json").write_text(json.dumps({"dofs": 70, "peak_mb": 50.0, "model": "axisymmetric"}))
+        tips = (("r1", 8.9), (LIMIT, 9.0))  # the answer comes last
+        rows = [row("peer", "tip_mm", "mm", 10.0, "axisymmetric", tip, level) for level, tip in tips]
+        write_rows(out / "rows.csv", rows)
         return mpi_children.Ended(0, "", "", 7.0, 5.0, 0.0)
 
     monkeypatch.setattr(mpi_children, "run", solve)

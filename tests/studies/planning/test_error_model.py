@@ -127,14 +127,14 @@ def test_choice_follows_the_tolerance() -> None:
 def test_what_is_left_out_is_told_with_what_it_saves() -> None:
     scene = with_tolerance(actuator(), 5.0)
     choice = choose(scene, "axisymmetric")
-    lines = explain(scene, choice)
+    lines = explain(scene, choice, one_mesh=False)
     assert meridians_for(choice) == (1, 2)
     assert "r1: error" in lines[0]
     assert any(line.startswith("skipped: axisymmetric r4,") for line in lines)
     assert any(line.startswith("skipped: full3d n8") for line in lines)
-    body = explain(scene, choose(scene, "full3d"))
+    body = explain(scene, choose(scene, "full3d"), one_mesh=True)
     assert any(line.startswith("skipped: full3d n8r2") for line in body)
-    of_whole = explain(as_whole(scene), choose(as_whole(scene), "full3d"))
+    of_whole = explain(as_whole(scene), choose(as_whole(scene), "full3d"), one_mesh=False)
     assert any(line.startswith("skipped: full3d n6r2") for line in of_whole)
 
 
