@@ -209,7 +209,8 @@ def _held(scene: Scene, answers: Mapping[Key, Row], known: Mapping[Key, tuple[fl
 
 def second_models(text: bytes, model: str) -> list[bytes]:
     """The same scene to be solved otherwise, the more different first; see this module's heading."""
-    scene = tomllib.loads(text.decode())
+    # read as a scene's file is: a lone carriage return ends a line, which TOML itself refuses
+    scene = tomllib.loads("\n".join(text.decode().splitlines()))
     if model in ("sector", "full3d") or scene["geometry"]["kind"] == "mesh":
         return [_changed(scene, _other_control(scene))]
     cells = scene.get("mesh", {}).get("element", "auto")

@@ -7,6 +7,7 @@ exact.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 import statistics
@@ -69,6 +70,7 @@ class Check:
         return f"{level_label(self.row.level)} by {', '.join(level_label(level) for level in self.target.levels)}"
 
 
+@functools.lru_cache(maxsize=1)
 def checks(results: PaperResults) -> dict[str, list[Check]]:
     """All uncertainties by what they have to hold."""
     meridians = [check for case in results.cases for check in _meridian_checks(case, _all_meridians(results, case))]

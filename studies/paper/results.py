@@ -134,7 +134,7 @@ class Four:
         return all(case.axisymmetric for case in self.cases)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PaperResults:
     """All cases that have been run, in the order of `studies.paper.cases`."""
 

@@ -56,17 +56,12 @@ def draw_all(folder: Path, results: PaperResults) -> dict[str, str]:
     crossings = [case.crossings for case in results.cases]
     code = [blocked, lines, panels, plots, sets, curves, style, closed_form_rows]
     key = key_of(results.rows, hashes, crossings, code=code)
-    found = {}
+    found: dict[str, str] = {}
 
     def add(name: str, draw: Callable[[Path], str]) -> None:
         address = f"pictures/{name}.png"
         found[name] = draw(folder / address) or address
 
-    for name, plot in _PLOTS.items():
-        add(name, lambda path, plot=plot: once(path, key, lambda: plot(path, results)))  # type: ignore[misc]
-    add("outline", lambda path: _draw_setup(path, REFERENCE_SCENES[0], outline.draw_outlines, (outline, half_outlines)))
-    add("mesh", lambda path: _draw_setup(path, REFERENCE_SCENES[2], meshes.draw_meshes, (meshes,)))
-    add("roots", lambda path: _draw_roots(path, results))
     top = stretch_top(results)
     name, pressure = FIGURE_4B
     pair = _stills(results.named(name), (pressure,))
@@ -75,9 +70,16 @@ def draw_all(folder: Path, results: PaperResults) -> dict[str, str]:
         STATES + name: partial(_draw_states, stills=_stills(results.named(name)), top=top) for name in REFERENCE_SCENES
     }
     drawn["figure4b"] = partial(_draw_pair, stills=pair)
-    found |= dict.fromkeys(drawn, "")  # in this order
+    found |= dict.fromkeys([*_PLOTS, "outline", "mesh", "roots", *drawn], "")  # in this order
     with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as waiting:  # each is drawn by a process of its own
-        list(waiting.map(add, drawn.keys(), drawn.values()))
+        done = waiting.map(add, drawn.keys(), drawn.values())
+        for name, plot in _PLOTS.items():
+            add(name, lambda path, plot=plot: once(path, key, lambda: plot(path, results)))  # type: ignore[misc]
+        setups = (outline, half_outlines), (meshes,)
+        add("outline", lambda path: _draw_setup(path, REFERENCE_SCENES[0], outline.draw_outlines, setups[0]))
+        add("mesh", lambda path: _draw_setup(path, REFERENCE_SCENES[2], meshes.draw_meshes, setups[1]))
+        add("roots", lambda path: _draw_roots(path, results))
+        list(done)
     return found
 
 
