@@ -61,6 +61,7 @@ def check_one_body(path: Path, points: FloatArray, cells: IntArray, numbers: Int
             f"{' and '.join(map(str, twice))}: in format 2 a cell in two physical volumes (a meridian's: surfaces) is "
             "written once for each; write format 4 (Mesh.MshFileVersion = 4.1, gmsh -format msh41), or put it in one"
         )
+    _check_nodes(path, points, found, numbers)
     alike = found.alike(found.pairs)
     if len(found.crowded) or alike.any():
         rows = found.crowded[:1] if len(found.crowded) else found.pairs[np.argmax(alike)]
@@ -73,6 +74,33 @@ def check_one_body(path: Path, points: FloatArray, cells: IntArray, numbers: Int
     _check_touching(path, points, found)
     _check_pinched(path, points, found)
     return found
+
+
+def _check_nodes(path: Path, points: FloatArray, found: Neighbours, numbers: IntArray) -> None:
+    """Refuse a node that is a corner here and within an edge there, or between other corners.
+
+    Cells that meet so do not fit, and each would have a node of its own there.
+    """
+    cells, cell = found.cells, found.cell
+    between = np.full((*cells.shape, cell.corners), -1, dtype=np.int64)  # corners that a node lies between
+    simplex, ends = cell.corners == cell.dimension + 1, cell.nodes[: cell.corners]
+    for node, place in enumerate(cell.nodes):
+        # linear shape functions of the corners, in the reference cell from 0 to 1
+        shares = np.append(1.0 - place.sum(), place) if simplex else np.prod(1.0 - np.abs(ends - place), axis=1)
+        these = np.flatnonzero(shares > 1e-9)
+        between[:, node, : len(these)] = np.sort(cells[:, these], axis=1)
+    _, which = np.unique(between.reshape(-1, cell.corners), axis=0, return_inverse=True)
+    pairs, first = np.unique(np.column_stack([cells.ravel(), which.ravel()]), axis=0, return_index=True)
+    for column in (0, 1):
+        values, count = np.unique(pairs[:, column], return_counts=True)
+        if (count > 1).any():
+            at = first[pairs[:, column] == values[np.argmax(count > 1)]]
+            named = " and ".join(str(n) for n in dict.fromkeys(numbers[at // cells.shape[1]]))
+            raise MeshError(
+                f"{path}: cells do not fit near {_place(points[cells.ravel()[at[0]]])}, at cell {named}: a node is a "
+                "corner of one and within an edge of another, or an edge has two middles; mesh it anew, all cells of "
+                "one order"
+            )
 
 
 def _place(point: FloatArray) -> str:

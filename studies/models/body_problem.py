@@ -209,8 +209,9 @@ def _tube(g: TubeGeometry, model: str, fine: int, cells: CellKind) -> Body:
     along = in_wall // 2
     if g.ends == "bonded":
         wall = min(g.outer_radius_mm, GRADED_BEYOND * g.inner_radius_mm) - g.inner_radius_mm
-        along = min(math.ceil(2.0 * g.length_mm / wall), LONGEST_ROW) * refine
-        along = max(2, along if model == "axisymmetric" else along * fine // 12)
+        # two at least on the coarsest mesh, so that each finer one has more
+        along = min(max(2, math.ceil(2.0 * g.length_mm / wall)), LONGEST_ROW) * refine
+        along = along if model == "axisymmetric" else max(2, along * fine // 12)
     through = cells_through(g.outer_radius_mm / g.inner_radius_mm, in_wall)
     meridian = tube_meridian(g.inner_radius_mm, g.outer_radius_mm, g.length_mm, along, through, cells)
     return _swept(meridian, model, fine, g.ends)

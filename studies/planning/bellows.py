@@ -10,6 +10,9 @@ from studies.scene.elements import USUAL_ELEMENTS, locks
 from studies.scene.meshes import solved_part, symmetry_note
 from studies.scene.sections import SceneError
 
+# Depth of the folds over the wall: 1.75 is the least among the scenes compared; at 1.2 a drawn one was 1 % off.
+LEAST_DEPTH = 1.7
+
 
 def plan_bellows(
     scene: BellowsScene,
@@ -78,13 +81,15 @@ def plan_bellows(
 def tells_its_error(scene: BellowsScene) -> bool:
     """True for scenes whose estimates on r1 ``make study-dual`` has held against finer meshes.
 
-    Not among them: meshed rings, layers as bonds, plates and forces at the tip, vacuum.
+    Not among them: meshed rings, layers as bonds, plates and forces at the tip, vacuum; folds hardly deeper than the
+    wall, whose error is that of the shape of r1's cells in the bends, which richer spaces keep.
     """
     g, rings, load = scene.geometry, scene.rings, scene.load
     as_moulded = g.tip == "cap" and rings.model == "rigid" and rings.bond == "rigid"
     usual_elements = scene.mesh.element in USUAL_ELEMENTS
     free = load.tip == "free" and not load.tip_force_n
-    return as_moulded and usual_elements and free and load.sense > 0.0
+    deep = g.crest_radius_mm - g.root_radius_mm >= LEAST_DEPTH * g.wall_mm
+    return as_moulded and usual_elements and free and load.sense > 0.0 and deep
 
 
 def _refuse(scene: BellowsScene, model: Model) -> None:

@@ -142,3 +142,23 @@ def test_cells_twice_over_and_overlapping(written, blocks, refused) -> None:
     inner[(points[:, 2] == 4.0)] -= [0.0, 0.0, 3.5]
     written(inner, groups)
     assert "cells overlap near" in refused()
+
+
+def test_a_corner_within_the_edge_of_another_cell(written, refused) -> None:
+    # three by two quadrilaterals of nine nodes; in a damaged file one had the middle of a neighbour's edge as a corner
+    points = np.array([[5.0 + 0.3 * i, 0.5 * j, 0.0] for j in range(5) for i in range(7)])
+    grid = np.arange(35).reshape(5, 7)
+
+    def nodes(i: int, j: int) -> list[int]:
+        g = grid[j : j + 3, i : i + 3]
+        return [g[0, 0], g[0, 2], g[2, 2], g[2, 0], g[0, 1], g[1, 2], g[2, 1], g[1, 0], g[1, 1]]
+
+    cells = np.array([nodes(i, j) for j in (0, 2) for i in (0, 2, 4)])
+    cavity = np.array([[grid[0, 0], grid[2, 0], grid[1, 0]], [grid[2, 0], grid[4, 0], grid[3, 0]]])
+    clamped = np.array([[grid[0, i], grid[0, i + 2], grid[0, i + 1]] for i in (0, 2, 4)])
+    groups = {"cavity": (1, 8, cavity), "clamped": (1, 8, clamped)}
+    assert volume_mm3(written(points, {**groups, "elastomer": (2, 10, cells)})) > 0.0
+    damaged = cells.copy()
+    damaged[4, 0] = grid[2, 1]
+    written(points, {**groups, "elastomer": (2, 10, damaged)})
+    assert "a node is a corner of one and within an edge of another" in refused()

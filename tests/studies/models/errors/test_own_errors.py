@@ -90,6 +90,7 @@ def test_only_scenes_of_kinds_that_were_compared_have_one_mesh() -> None:
         changed(rings={"model": "meshed"}),
         changed(rings={"bond": "adhesive"}),
         changed(geometry={"tip": "rigid"}),
+        changed(geometry={"crest_radius_mm": 8.0}),  # 1.5 walls deep
         changed(ask={"tolerance_percent": 0.01}),  # begins on r2
     ]
     for scene in others:
