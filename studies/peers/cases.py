@@ -56,7 +56,12 @@ class Attempt:
         """What is alike in runs that differ in their mesh only; ours, which choose theirs, in tolerance and ranks."""
         if self.level is None:
             return f"{self.code} {self.dimension} {self.options['element']}"
-        return f"{self.code} {self.level.cells} {self.options}"
+        return f"{self.code} {self.level.cells} {self.quarter} {self.options}"
+
+    @property
+    def quarter(self) -> bool:
+        """True for a peer's run on a quarter of the body."""
+        return self.level is not None and self.level.quarter
 
 
 # Meridian and cells round, from coarse to fine, for each kind of cells.
@@ -66,6 +71,9 @@ _MESHES: Final[Mapping[Cells, tuple[tuple[int, int], ...]]] = {
     "tri6": ((1, 0), (2, 0), (4, 0)),
     "quad9": ((1, 0), (2, 0), (4, 0)),
 }
+# The bellows has two planes of symmetry: what a peer's user can have who cuts the mesh and holds the planes.
+_QUARTERS: Final = ((1, 8), (1, 16), (2, 16))
+_ON_A_QUARTER: Final = ("ngsolve", "dolfinx_tutorial")
 _TUTORIAL: Final = ({"steps": 5}, {"steps": 10})
 _NGSOLVE: Final = ({"first": 0.25, "predict": False}, {"first": 0.1, "predict": True})
 _FELUPE: Final = (
@@ -123,10 +131,19 @@ def attempts(levels: int = 3) -> list[Attempt]:
         Attempt(code, 3 if level.around else 2, _label(level, options), level, options)
         for code, by_cells in _SETTINGS.items()
         for cells, settings in by_cells.items()
-        for level in (Level(cells, meridian, around) for meridian, around in _MESHES[cells][:levels])
+        for level in _meshes(cells)[:levels] + _quarters(code, cells)[:levels]
         for options in settings
     ]
     return sorted([*found, *_OF_OURS], key=lambda a: (a.dimension, a.size))
+
+
+def _meshes(cells: Cells) -> list[Level]:
+    return [Level(cells, meridian, around) for meridian, around in _MESHES[cells]]
+
+
+def _quarters(code: str, cells: Cells) -> list[Level]:
+    meshes = _QUARTERS if cells == "hex27" and code in _ON_A_QUARTER else ()
+    return [Level(cells, meridian, around, quarter=True) for meridian, around in meshes]
 
 
 def _label(level: Level, options: Mapping[str, Any]) -> str:

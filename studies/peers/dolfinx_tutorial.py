@@ -29,7 +29,7 @@ gdim = data["points"].shape[1]
 flat = gdim == 2
 
 # --- mesh ----------------------------------------------------------------------------------------------
-named = {"cavity": 1, "clamped": 2, "axis": 3}
+named = {"cavity": 1, "clamped": 2, "axis": 3, "plane_x": 4, "plane_y": 5}
 corners = 4 if data["cells"].shape[1] == 27 else gdim  # of a facet
 facets = [data[f"{name}_facets"][:, :corners] for name in named if len(data[f"{name}_facets"])]
 tags = np.repeat([named[n] for n in named if len(data[f"{n}_facets"])], [len(f) for f in facets])
@@ -85,7 +85,10 @@ def held(tag: int, space: Any) -> Any:
     return fem.dirichletbc(zero, fem.locate_dofs_topological((space, whole), gdim - 1, there), space)
 
 
-bcs = [held(2, W.sub(0))] + ([held(3, W.sub(0).sub(0))] if flat else [])
+bcs = [held(2, W.sub(0))]
+for tag, component in ((3, 0), (4, 0), (5, 1)):
+    if tag in tags:
+        bcs.append(held(tag, W.sub(0).sub(component)))
 solver = NewtonSolver(comm, compat.newton_problem(residual, w, bcs))
 solver.convergence_criterion = "incremental"
 solver.rtol = 1e-6

@@ -7,6 +7,7 @@ rounded outer edges carry nothing).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -32,16 +33,18 @@ SOFT, STIFF = 1, 2
 
 @dataclass(frozen=True)
 class Level:
-    """Cells, refinement of the meridian and, in 3D, cells round the circumference."""
+    """Cells, refinement of the meridian and, in 3D, cells round the whole body, of which there may be a quarter only."""
 
     cells: Cells
     meridian: int
     around: int = 0
+    quarter: bool = False
 
     @property
     def name(self) -> str:
-        """For instance ``tet10-n12r2``."""
-        return f"{self.cells}-" + (f"n{self.around}" if self.around else "") + f"r{self.meridian}"
+        """For instance ``tet10-n12r2``, ``hex27-n8r1-quarter``."""
+        around = f"n{self.around}" if self.around else ""
+        return f"{self.cells}-{around}r{self.meridian}" + "-quarter" * self.quarter
 
 
 def peer_mesh(scene: BellowsScene, level: Level) -> SolidMesh:
@@ -60,7 +63,11 @@ def peer_mesh(scene: BellowsScene, level: Level) -> SolidMesh:
     resolution = default_resolution(shape, level.meridian, "quadrilaterals")
     bare = meridian_mesh(shape, resolution, None, "quadrilaterals")
     meridian = with_ring_blocks(bare, scene.rings.height_mm, RING_LAYERS * level.meridian)
-    return meridian if level.cells == "quad9" else revolve_hexahedra(meridian, level.around)
+    if level.cells == "quad9":
+        return meridian
+    if level.quarter:
+        return revolve_hexahedra(meridian, level.around // 4, 0.5 * math.pi)
+    return revolve_hexahedra(meridian, level.around)
 
 
 def with_ring_blocks(meridian: SolidMesh, height_mm: float, layers: int) -> SolidMesh:
@@ -155,14 +162,14 @@ def write_peer_mesh(scene: BellowsScene, level: Level, path: Path) -> SolidMesh:
     """Write the mesh, its load and its materials as an .npz.
 
     Arrays: ``points`` (mm), ``cells`` (basix order, positive volumes), ``regions`` (1 silicone, 2 ring),
-    ``cavity_facets``, ``clamped_facets``, ``axis_facets`` (all nodes of each, corners first; the cavity's turn so that
-    their normal leaves the silicone), ``cavity_cells``, ``tip_nodes`` and ``tip_weights`` (of the mean axial
+    ``cavity_facets``, ``clamped_facets``, ``axis_facets``, ``plane_x_facets``, ``plane_y_facets`` (of a quarter, where
+    x = 0 and y = 0; all nodes of each, corners first; the cavity's turn so that their normal leaves the silicone),
+    ``cavity_cells``, ``tip_nodes`` and ``tip_weights`` (of the mean axial
     displacement of the distal rim), ``yeoh_mpa``, ``ring_mpa_nu``, ``pressure_mpa``.
     """
     mesh = _corners_first(_turned(peer_mesh(scene, level)))
     cavity, owners = facet_nodes(mesh, level.cells, FACETS["cavity"])
-    clamped = facet_nodes(mesh, level.cells, FACETS["clamped"])[0]
-    axis = facet_nodes(mesh, level.cells, FACETS["axis"])[0]
+    held = {"clamped": "clamped", "axis": "axis", "plane_x": "end", "plane_y": "start"}
     nodes, weights = tip_weights(scene, mesh)
     ring = ring_material(scene)
     law = law_of(scene.material)
@@ -174,8 +181,7 @@ def write_peer_mesh(scene: BellowsScene, level: Level, path: Path) -> SolidMesh:
         regions=np.where(mesh.regions == REGIONS["ring"], STIFF, SOFT),
         cavity_facets=_outward(mesh, cavity, owners),
         cavity_cells=owners,
-        clamped_facets=clamped,
-        axis_facets=axis,
+        **{f"{name}_facets": facet_nodes(mesh, level.cells, FACETS[tag])[0] for name, tag in held.items()},
         tip_nodes=nodes,
         tip_weights=weights,
         yeoh_mpa=np.array(getattr(law, "c_mpa")),  # noqa: B009 (the peers' law is Yeoh's)

@@ -55,7 +55,7 @@ order = {
     27: [0, 1, 5, 4, 2, 3, 7, 6, 8, 16, 10, 12, 13, 19, 14, 15, 9, 11, 18, 17],
 }[data["cells"].shape[1]]
 facet_order = {6: [0, 1], 10: [0, 1, 2, 3, 4, 5], 27: [0, 1, 3, 2, 4, 7, 5, 6]}[data["cells"].shape[1]]
-names = ["cavity", "clamped", "axis"]
+names = ["cavity", "clamped", "axis", "plane_x", "plane_y"]
 for number, name in enumerate(names, start=1):
     made.Add(ng.FaceDescriptor(surfnr=number, domin=1, domout=0, bc=number))
     made.SetBCName(number - 1, name)
@@ -84,11 +84,8 @@ if flat:
 
 # --- problem ----------------------------------------------------------------------------------------
 k = options.get("order", 2)
-V = (
-    VectorH1(mesh, order=k, dirichlet="clamped", dirichletx="axis|clamped")
-    if flat
-    else VectorH1(mesh, order=k, dirichlet="clamped")
-)
+held = {"dirichletx": "clamped|axis|plane_x"} | ({} if flat else {"dirichlety": "clamped|plane_y"})
+V = VectorH1(mesh, order=k, dirichlet="clamped", **held)
 Q = H1(mesh, order=k - 1, definedon="silicone")
 X = V * Q
 u, p = X.TrialFunction()

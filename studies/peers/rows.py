@@ -17,6 +17,8 @@ ALLOWED_PERCENT: Final = 1.0
 # with rigid ones differ by, with room (0.0125 at 10 kPa on r8).
 REFERENCE_PERCENT: Final = 0.02
 RATIO: Final = "time_ratio_"
+# Ends the names of ratios in which peers' runs on a quarter of the body count too.
+QUARTERS: Final = "_with_quarters"
 _MODELS: Final = {3: "full3d", 2: "axisymmetric"}
 Runs = Sequence[tuple[Attempt, Measurement]]
 
@@ -51,9 +53,12 @@ def comparison_rows(scene: str, pressure_kpa: float, reference_mm: float, source
         ]
     reached = [(attempt, m) for attempt, m in measured if not math.isnan(m.tip_mm)]
     errors = [100.0 * abs(m.tip_mm / reference_mm - 1.0) for _, m in reached]
-    for dimension in _MODELS:
-        for kind, found in (("", errors), ("_by_lasting_error", lasting_errors(reached, errors))):
-            rows += _ratio_rows(scene, pressure_kpa, dimension, kind, reached, found)
+    for kind, found in (("", errors), ("_by_lasting_error", lasting_errors(reached, errors))):
+        points = [(attempt, Point(m.wall_s, error)) for (attempt, m), error in zip(reached, found, strict=True)]
+        whole = [(attempt, point) for attempt, point in points if not attempt.quarter]
+        rows += _ratio_rows(scene, pressure_kpa, 2, kind, whole)
+        rows += _ratio_rows(scene, pressure_kpa, 3, kind, whole)
+        rows += _ratio_rows(scene, pressure_kpa, 3, kind + QUARTERS, points)
     return rows
 
 
@@ -62,14 +67,13 @@ def _ratio_rows(
     pressure_kpa: float,
     dimension: int,
     kind: str,
-    reached: Runs,
-    errors_percent: Sequence[float],
+    measured: Sequence[tuple[Attempt, Point]],
 ) -> list[Row]:
     """Our time over the peers': to the fastest of them, and at equal error."""
     points: dict[str, list[Point]] = {}
-    for (attempt, m), error in zip(reached, errors_percent, strict=True):
+    for attempt, point in measured:
         if attempt.dimension == dimension:
-            points.setdefault(attempt.code, []).append(Point(m.wall_s, error))
+            points.setdefault(attempt.code, []).append(point)
     every = {code: floored(of, REFERENCE_PERCENT) for code, of in points.items()}
     mine = every.pop(OURS, [])
     error, equal = ratio_at_equal_error(mine, every)

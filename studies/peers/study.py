@@ -21,7 +21,7 @@ from studies.models.axisymmetric import run_axisymmetric
 from studies.peers import environment
 from studies.peers.cases import OURS, PEERS, Attempt, attempts, peer_scene
 from studies.peers.measure import Measurement, kept_measurement, measure
-from studies.peers.rows import RATIO, Runs, comparison_rows
+from studies.peers.rows import QUARTERS, RATIO, Runs, comparison_rows
 from studies.progress import Progress
 from studies.report.tables import Table, table_of
 from studies.results.rows import Row
@@ -97,13 +97,18 @@ def measured_table(measured: Runs, reference_mm: float) -> Table:
 
 
 def ratios_table(rows: Sequence[Row]) -> Table:
-    """Our times over the peers'."""
+    """Our times over the peers', and over those that their users can have on a quarter of the body."""
+    ratios = {r.quantity: r for r in rows if r.quantity.startswith(RATIO)}
+
+    def ratio(r: Row) -> str:
+        return f"{r.value:.3g}" + (f" at {r.level}" if r.level else "")
+
     columns: Mapping[str, Callable[[Row], str]] = {
         "ratio of wall times": lambda r: r.quantity.removeprefix(RATIO).replace("_", " "),
-        "at error": lambda r: r.level,
-        "ours over theirs": lambda r: f"{r.value:.3g}",
+        "ours over theirs": ratio,
+        "theirs on a quarter too": lambda r: ratio(cut) if (cut := ratios.get(r.quantity + QUARTERS)) else "",
     }
-    return table_of([r for r in rows if r.quantity.startswith(RATIO)], columns, (0,))
+    return table_of([r for name, r in ratios.items() if not name.endswith(QUARTERS)], columns, (0,))
 
 
 def page(solved: Sequence[Solved[Attempt, str]], at: Setting) -> Page:

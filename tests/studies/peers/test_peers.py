@@ -68,6 +68,21 @@ def test_all_codes_get_the_same_body(scene, tmp_path):
     assert volumes["quad9"][1] == pytest.approx(volumes["tri6"][1] * 8.0 / (8.0 - 2.0 * 0.2146 * 0.25), rel=2e-3)
 
 
+def test_a_quarter_ends_at_the_planes_that_hold_it(scene, tmp_path):
+    kept = {}
+    for level in (Level("hex27", 1, 8), Level("hex27", 1, 8, quarter=True)):
+        write_peer_mesh(scene, level, tmp_path / f"{level.name}.npz")
+        kept[level.quarter] = np.load(tmp_path / f"{level.name}.npz")
+    whole, quarter = kept[False], kept[True]
+    volume = {part: measure(data["points"], data["cells"]) for part, data in kept.items()}
+    assert volume[True] == pytest.approx(volume[False] / 4.0, rel=1e-12)
+    assert len(whole["plane_x_facets"]) == len(whole["plane_y_facets"]) == 0
+    for axis, name in enumerate(("plane_x_facets", "plane_y_facets")):
+        on_plane = np.abs(quarter["points"][:, axis]) < 1e-9
+        assert set(np.flatnonzero(on_plane)) == set(quarter[name].ravel())
+    assert quarter["tip_weights"].sum() == pytest.approx(1.0)
+
+
 @pytest.mark.parametrize("cells", ["tet10", "hex27"])
 def test_pressed_surface_encloses_the_cavity(scene, tmp_path, cells):
     write_peer_mesh(scene, Level(cells, 1, 12), tmp_path / "mesh.npz")
@@ -165,6 +180,11 @@ def test_accidents_of_coarse_meshes_are_told_apart_in_the_ratios():
     assert found["time_ratio_full3d_to_fastest_peer_by_lasting_error"].value == pytest.approx(4.0 / 20.0)
     assert found["time_ratio_full3d_at_equal_error"].level == "0.4 %"
     assert found["time_ratio_full3d_at_equal_error_by_lasting_error"].value == pytest.approx(4.0 / 20.0)
+    # a quarter counts in ratios of its own
+    measured.append(made_up("ngsolve hex27-n8r1-quarter first=0.25 predict=False", 100.01, 5, 8.0))
+    rows = {r.quantity: r.value for r in comparison_rows("s", 10.0, 100.0, "reference", measured)}
+    assert rows["time_ratio_full3d_to_fastest_peer"] == pytest.approx(4.0 / 20.0)
+    assert rows["time_ratio_full3d_to_fastest_peer_with_quarters"] == pytest.approx(4.0 / 8.0)
 
 
 def test_ratios():
