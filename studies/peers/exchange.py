@@ -33,7 +33,7 @@ SOFT, STIFF = 1, 2
 
 @dataclass(frozen=True)
 class Level:
-    """Cells, refinement of the meridian and, in 3D, cells round the whole body, of which there may be a quarter only."""
+    """Cells, refinement of the meridian and, in 3D, cells round the whole body; there may be a quarter only."""
 
     cells: Cells
     meridian: int

@@ -182,9 +182,9 @@ def test_accidents_of_coarse_meshes_are_told_apart_in_the_ratios():
     assert found["time_ratio_full3d_at_equal_error_by_lasting_error"].value == pytest.approx(4.0 / 20.0)
     # a quarter counts in ratios of its own
     measured.append(made_up("ngsolve hex27-n8r1-quarter first=0.25 predict=False", 100.01, 5, 8.0))
-    rows = {r.quantity: r.value for r in comparison_rows("s", 10.0, 100.0, "reference", measured)}
-    assert rows["time_ratio_full3d_to_fastest_peer"] == pytest.approx(4.0 / 20.0)
-    assert rows["time_ratio_full3d_to_fastest_peer_with_quarters"] == pytest.approx(4.0 / 8.0)
+    values = {r.quantity: r.value for r in comparison_rows("s", 10.0, 100.0, "reference", measured)}
+    assert values["time_ratio_full3d_to_fastest_peer"] == pytest.approx(4.0 / 20.0)
+    assert values["time_ratio_full3d_to_fastest_peer_with_quarters"] == pytest.approx(4.0 / 8.0)
 
 
 def test_ratios():
