@@ -13,12 +13,11 @@ from studies.engine import Bar
 from studies.paper.audit import Check, checks
 from studies.paper.cases import (
     CONTROL_BODY,
+    CONTROL_BODY_LEVEL,
     CONTROL_KPA,
     HIGHEST_KPA,
-    ON_A_QUARTER,
     PRESSURES_KPA,
     REFERENCE_SCENES,
-    WHOLE,
 )
 from studies.paper.results import CaseResult, PaperResults, is_known
 from studies.report.labels import TIP, run_label
@@ -87,8 +86,9 @@ def _gap_percent(case: CaseResult, pressures_kpa: Sequence[float]) -> float:
 
 def _controls(results: PaperResults, quantity: str) -> list[tuple[float, float]]:
     """A quantity of the actuator that is solved on a quarter too, with that of its whole body, by pressure."""
-    quarter, whole = (results.variant(CONTROL_BODY, "control", suffix) for suffix in (ON_A_QUARTER, WHOLE))
-    pairs = ((quarter.row(quantity, "full3d", p), whole.row(quantity, "full3d", p)) for p in CONTROL_KPA)
+    both = results.named(CONTROL_BODY), results.variant(CONTROL_BODY, "control")
+    level = CONTROL_BODY_LEVEL.name
+    pairs = ([case.row(quantity, "full3d", p, level) for case in both] for p in CONTROL_KPA)
     return [(one.value, other.value) for one, other in pairs if is_known(one) and is_known(other)]
 
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from studies.paper.cases import CONTROL_BODY, ON_A_QUARTER, PRESSURES_KPA
+from studies.paper.cases import CONTROL_BODY, PRESSURES_KPA
 from studies.paper.results import PaperResults, find, is_known
 from studies.paper.setup.sizes import CALLED, scene_of
 from studies.report.numbers import number_text, signed, typeset
@@ -61,7 +61,7 @@ def _fits(results: PaperResults, published: Sequence[Row]) -> str:
     gaps = []
     for pressure in PRESSURES_KPA:
         theirs = _of(published, CENTRED, "tip_mm", pressure)
-        ours = results.variant(CONTROL_BODY, "control", ON_A_QUARTER).tip("full3d", pressure, theirs.level)
+        ours = results.named(CONTROL_BODY).tip("full3d", pressure, theirs.level)
         if is_known(ours) and is_known(theirs):
             gaps.append(difference_percent(theirs.value, ours.value))
     if not gaps:

@@ -23,7 +23,7 @@ def published() -> list[Row]:
 
 def body(at_5: float) -> PaperResults:
     extra = tuple(row(ACTUATOR, "tip_mm", "mm", p, "full3d", v, "n8") for p, v in ((5.0, at_5), (20.0, 60.0)))
-    return make_results(make_case(case_of("control", f"{ACTUATOR}-quarter"), extra=extra))
+    return make_results(make_case(case_of("core", ACTUATOR), extra=extra))
 
 
 @pytest.fixture
