@@ -122,6 +122,7 @@ def code_hash() -> str:
         "models/modes.py",
         "models/run_log.py",
         "scene/bellows.py",
+        "scene/bellows_geometry.py",
         "scene/bodies.py",
         "scene/materials.py",
         "scene/meshes.py",

@@ -14,6 +14,7 @@ from meshes.bellows import check_shape
 from meshes.by_gmsh.ring import RingShape
 from meshes.errors import GeometryError
 from meshes.shape import BellowsShape
+from studies.scene.bellows_geometry import ZIGZAG_SEAT_MM, Geometry
 from studies.scene.elements import BellowsMesh, element_faults
 from studies.scene.materials import (
     NeoHookeMaterial,
@@ -26,11 +27,16 @@ from studies.scene.materials import (
 from studies.scene.sections import (
     APART,
     LARGEST_VOLUME,
+    ONE_OR_MORE,
+    Control,
+    Fields,
     LargestVolume,
     Length,
     Order,
+    SceneName,
     Section,
     Stiffness,
+    Tolerance,
     is_ascending,
     order_faults,
 )
@@ -44,61 +50,8 @@ RING_ERROR_PERCENT = {"pla": 0.005, "polyethylene": 0.04}
 RING_SHARE = 0.1
 
 
-# A zigzag's straight walls still need some fillet and seat: the least that are meshed here. The paper's has neither.
-ZIGZAG_FILLET_MM, ZIGZAG_SEAT_MM = 0.1, 0.5
-
 # What may be requested of a tip.
 TipQuantity = Literal["tip_mm", "tip_force_n"]
-
-
-class Geometry(Section):
-    """The bellows, mm; radii are cavity-side, the wall is measured normal to itself.
-
-    ``arcs``: as it could be moulded, straight sides between rounded crests and roots; ``zigzag``: as near as can be
-    built to the straight lines from root to crest of the paper's figure 2, with the least fillets and seats;
-    ``polyline``: sides that bend at points of one's own, on the wall's middle between a crest and the next root: axial
-    distance from the crest's middle, and radius.
-    """
-
-    kind: Literal["bellows"]
-    profile: Literal["arcs", "zigzag", "polyline"] = "arcs"
-    points_mm: Annotated[list[tuple[Length, Length]], Field(max_length=50)] = []
-    root_radius_mm: Length
-    crest_radius_mm: Length
-    wall_mm: Length
-    half_pitch_mm: Length
-    convolutions: Annotated[int, Field(ge=1, le=100)]
-    collar_mm: Length = 3.0
-    fillet_mm: Annotated[float, Field(ge=0.1, le=100.0)] = 0.5
-    tip: Literal["cap", "rigid"] = "cap"  # rigid: a plate bonded to the open end; cap_mm has no meaning then
-    cap_mm: Length = 5.0
-    eccentricity: Annotated[float, Field(ge=0.0, le=0.5)] = 0.0  # how far the core sat off the axis, of the wall
-
-    @model_validator(mode="before")
-    @classmethod
-    def _least_fillets(cls, data: Any) -> Any:
-        if isinstance(data, dict) and data.get("profile") == "zigzag":
-            return {"fillet_mm": ZIGZAG_FILLET_MM, **data}
-        return data
-
-    @model_validator(mode="after")
-    def _profile_has_its_keys(self) -> Geometry:
-        if self.profile == "zigzag" and self.fillet_mm != ZIGZAG_FILLET_MM:
-            raise ValueError(
-                f"geometry.fillet_mm = {self.fillet_mm:g}: a zigzag has the least, {ZIGZAG_FILLET_MM:g} mm: "
-                'leave the key out, or set geometry.profile = "arcs"'
-            )
-        if self.profile == "polyline" and not self.points_mm:
-            raise ValueError(
-                'geometry.profile = "polyline": needs geometry.points_mm, points [axial distance from the crest\'s '
-                "middle, radius] of the wall's middle line between a crest and the next root"
-            )
-        if self.profile != "polyline" and self.points_mm:
-            raise ValueError(
-                f"geometry.points_mm = {self.points_mm}: of a polyline only: leave the key out, or set "
-                'geometry.profile = "polyline"'
-            )
-        return self
 
 
 class Rings(Section):
@@ -108,15 +61,25 @@ class Rings(Section):
     normal and a tangential stiffness, which fall to zero over ``bond_grading_mm`` at the seat's edges.
     """
 
-    model: Literal["auto", "rigid", "meshed", "none"] = "auto"
-    material: Literal["pla", "polyethylene"] = "pla"
-    seat_mm: Length = 4.0
-    bond: Literal["rigid", "adhesive"] = "rigid"
-    bond_normal_mpa_per_mm: Stiffness = 5.0
-    bond_tangential_mpa_per_mm: Stiffness = 2.0
-    bond_grading_mm: Annotated[float, Field(ge=0.0, le=100.0)] = 1.0
-    height_mm: Length = 2.0
-    edge_radius_mm: Annotated[float, Field(ge=0.0, le=100.0)] = 0.5
+    model: Literal["auto", "rigid", "meshed", "none"] = Field(
+        default="auto",
+        description="rings as rigid bodies, as meshed solids, none, or rigid unless the tolerance needs a mesh",
+    )
+    material: Literal["pla", "polyethylene"] = Field(
+        default="pla", description="of meshed rings, and for the mass of all"
+    )
+    seat_mm: Length = Field(default=4.0, description="axial width of a ring and of its seat on a crest")
+    bond: Literal["rigid", "adhesive"] = Field(default="rigid", description="tied, or by an elastic layer")
+    bond_normal_mpa_per_mm: Stiffness = Field(default=5.0, description="of an adhesive layer: stiffness across it")
+    bond_tangential_mpa_per_mm: Stiffness = Field(default=2.0, description="of an adhesive layer: stiffness along it")
+    bond_grading_mm: Annotated[float, Field(ge=0.0, le=100.0)] = Field(
+        default=1.0,
+        description="of an adhesive layer: length at the seat's edges over which its stiffness falls to zero",
+    )
+    height_mm: Length = Field(default=2.0, description="radial height of a ring")
+    edge_radius_mm: Annotated[float, Field(ge=0.0, le=100.0)] = Field(
+        default=0.5, description="radius of a ring's outer edges"
+    )
 
 
 class Load(Section):
@@ -130,12 +93,18 @@ class Load(Section):
     only the pressure can carry is lifted ``pressure-first``, as ``auto`` does where the force alone crushes it.
     """
 
-    pressure_kpa: Annotated[list[Annotated[float, Field(allow_inf_nan=False)]], Field(min_length=1)]
-    control: Literal["auto", "pressure", "volume", "arc"] = "auto"
-    tip: Literal["free", "blocked"] = "free"
-    tip_force_n: Annotated[float, Field(allow_inf_nan=False)] = 0.0
+    pressure_kpa: Annotated[list[Annotated[float, Field(allow_inf_nan=False)]], Field(min_length=1), ONE_OR_MORE] = (
+        Field(description="cavity pressures at which results are wanted: ascending, or of a vacuum descending from 0")
+    )
+    control: Control = "auto"
+    tip: Literal["free", "blocked"] = Field(
+        default="free", description="free, or held axially: its force is then found"
+    )
+    tip_force_n: Annotated[float, Field(allow_inf_nan=False)] = Field(
+        default=0.0, description="dead axial force on a free rigid plate; positive pulls outwards"
+    )
     order: Order = "auto"
-    largest_volume: LargestVolume = LARGEST_VOLUME  # the path ends at so many times the unloaded volume
+    largest_volume: LargestVolume = LARGEST_VOLUME
 
     @model_validator(mode="after")
     def _away_from_zero(self) -> Load:
@@ -156,22 +125,26 @@ class Load(Section):
 class Contact(Section):
     """Contact of folds, rings and wall, in axisymmetric runs with rigid rings or none; ``auto``: from first touch."""
 
-    model: Literal["auto", "off"] = "auto"
+    model: Literal["auto", "off"] = Field(
+        default="auto", description="frictionless contact from the first touch on, or none"
+    )
 
 
 class Ask(Section):
     """What is wanted, how exactly, whether fields are to be written, and unstable modes counted by harmonic."""
 
-    quantities: list[TipQuantity] = ["tip_mm"]
-    tolerance_percent: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0
-    fields: bool = False
-    modes: bool = True
+    quantities: list[TipQuantity] = Field(
+        default=["tip_mm"], description="elongation at the tip; force at a blocked one"
+    )
+    tolerance_percent: Tolerance = 1.0
+    fields: Fields = False
+    modes: bool = Field(default=True, description="count unstable modes of 0 to 6 waves round the axis on the meridian")
 
 
 class BellowsScene(Section):
     """A whole scene."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$")]
+    name: SceneName
     geometry: Geometry
     rings: Rings = Rings()
     mesh: BellowsMesh = BellowsMesh()

@@ -44,7 +44,20 @@ from studies.scene.materials import (
     material_faults,
     small_load_faults,
 )
-from studies.scene.sections import APART, LARGEST_VOLUME, LargestVolume, Order, Section, is_ascending, order_faults
+from studies.scene.sections import (
+    APART,
+    LARGEST_VOLUME,
+    ONE_OR_MORE,
+    Control,
+    Fields,
+    LargestVolume,
+    Order,
+    SceneName,
+    Section,
+    Tolerance,
+    is_ascending,
+    order_faults,
+)
 from studies.scene.users_mesh import mesh_faults
 
 # Bores this many times smaller than the wall come out right within 0.1 % still (a capped tube of 2 mm); at 1e-300 the
@@ -52,6 +65,7 @@ from studies.scene.users_mesh import mesh_faults
 MOST_RATIO = 1e9
 
 Load_kPa = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+Loads = Annotated[list[Load_kPa], Field(min_length=1), ONE_OR_MORE]
 Quantity = Literal[
     "bore_mm",
     "limit_kpa",
@@ -86,16 +100,23 @@ class BodyLoad(Section):
     as much of it as is meshed), positive pulls it along z: on a rigid tip, or through a level plate without friction.
     """
 
-    kind: Literal["cavity", "external", "dead"] | None = None
-    pressure_kpa: Annotated[list[Load_kPa], Field(min_length=1)] | None = None
-    tension_kpa: Annotated[list[Load_kPa], Field(min_length=1)] | None = None
-    traction_kpa: Annotated[list[Load_kPa], Field(min_length=1)] | None = None
-    twist_rad_per_mm: Annotated[float, Field(ge=-1.0, le=1.0)] | None = None
-    control: Literal["auto", "pressure", "volume", "arc"] = "auto"
+    kind: Literal["cavity", "external", "dead"] | None = Field(
+        default=None,
+        description="from inside, from outside, or fixed in size and direction; by default what the body usually has",
+    )
+    pressure_kpa: Loads | None = Field(default=None, description="pressures, ascending")
+    tension_kpa: Loads | None = Field(default=None, description="of a block: tensions on all faces, ascending")
+    traction_kpa: Loads | None = Field(default=None, description="of Cook's membrane: shear tractions, ascending")
+    twist_rad_per_mm: Annotated[float, Field(ge=-1.0, le=1.0)] | None = Field(
+        default=None, description="of a cylinder: angle by which it is twisted, per undeformed length"
+    )
+    control: Control = "auto"
     order: Order = "auto"
-    largest_volume: LargestVolume = LARGEST_VOLUME  # the path ends at so many times the unloaded volume
-    tip: Literal["free", "blocked"] = "free"
-    tip_force_n: Annotated[float, Field(allow_inf_nan=False)] = 0.0
+    largest_volume: LargestVolume = LARGEST_VOLUME
+    tip: Literal["free", "blocked"] = Field(default="free", description="of a mesh: its tip is free, or held axially")
+    tip_force_n: Annotated[float, Field(allow_inf_nan=False)] = Field(
+        default=0.0, description="of a mesh: dead axial force on a free tip, positive along z"
+    )
 
     @model_validator(mode="after")
     def _ascending(self) -> BodyLoad:
@@ -109,9 +130,11 @@ class BodyLoad(Section):
 class BodyAsk(Section):
     """What is wanted, how exactly, and whether fields are to be written."""
 
-    quantities: Annotated[list[Quantity], Field(min_length=1)] | None = None
-    tolerance_percent: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0
-    fields: bool = False
+    quantities: Annotated[list[Quantity], Field(min_length=1)] | None = Field(
+        default=None, description="what is wanted; by default what is known exactly of the body"
+    )
+    tolerance_percent: Tolerance = 1.0
+    fields: Fields = False
 
 
 KINDS = tuple(get_args(g.model_fields["kind"].annotation)[0] for g in get_args(Geometry))
@@ -148,7 +171,7 @@ class BodyScene(Section):
     ``material``: ``[materials.NAME]``.
     """
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$")]
+    name: SceneName
     geometry: Annotated[Geometry, Field(discriminator="kind")]
     mesh: Mesh = Mesh()
     material: AnyMaterial

@@ -79,9 +79,13 @@ class MeshGeometry(Section):
     """
 
     kind: Literal["mesh"]
-    file: Annotated[str, Field(min_length=1)]
-    scale: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] = 1.0
-    tip: Literal["elastic", "rigid"] = "elastic"
+    file: Annotated[str, Field(min_length=1)] = Field(description="gmsh file, found from where the scene is")
+    scale: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] = Field(
+        default=1.0, description="factor that makes the file's lengths mm: 1000 for metres"
+    )
+    tip: Literal["elastic", "rigid"] = Field(
+        default="elastic", description="whether the surface named tip moves as a rigid body"
+    )
 
 
 Geometry = (

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Final, Literal
 
+from pydantic import Field
+
 from studies.scene.sections import Section
 
 # Quadratic displacements with linear pressures, whose orders of convergence are those expected of a bellows.
@@ -21,8 +23,10 @@ class Mesh(Section):
     counts no unstable modes; ``auto`` goes over to it where the memory does not hold the factors.
     """
 
-    element: Literal["auto", "hex", "tet", "tet-p0", "tet-p1"] = "auto"
-    solver: Literal["auto", "direct", "iterative"] = "auto"
+    element: Literal["auto", "hex", "tet", "tet-p0", "tet-p1"] = Field(default="auto", description="kind of cells")
+    solver: Literal["auto", "direct", "iterative"] = Field(
+        default="auto", description="linear algebra of whole bodies in 3D"
+    )
 
 
 class BellowsMesh(Mesh):
@@ -32,7 +36,10 @@ class BellowsMesh(Mesh):
     of the cost or less; ``off`` solves the whole body itself.
     """
 
-    symmetry: Literal["auto", "off"] = "auto"
+    symmetry: Literal["auto", "off"] = Field(
+        default="auto",
+        description="solve full 3D on a part of the body where planes of symmetry allow it, or always on the whole",
+    )
 
 
 def locks(mesh: Mesh) -> bool:

@@ -23,15 +23,20 @@ class Material(Section):
     ``data_to_stretch``: up to which stretch the data went that the law was fitted to; results beyond carry a warning.
     """
 
-    kappa_over_mu: Annotated[float, Field(gt=10.0)] = math.inf
-    data_to_stretch: Annotated[float, Field(gt=1.0, le=100.0)] | None = None
+    kappa_over_mu: Annotated[float, Field(gt=10.0)] = Field(
+        default=math.inf, description="bulk modulus over initial shear modulus; inf: incompressible"
+    )
+    data_to_stretch: Annotated[float, Field(gt=1.0, le=100.0)] | None = Field(
+        default=None,
+        description="largest stretch of the data that the law was fitted to; results beyond carry a warning",
+    )
 
 
 class YeohMaterial(Material):
     """W = sum C_i (I1 - 3)^i; initial shear modulus 2 C1."""
 
     law: Literal["yeoh"]
-    c_kpa: Annotated[list[float], Field(min_length=1, max_length=3)]
+    c_kpa: Annotated[list[float], Field(min_length=1, max_length=3)] = Field(description="C_1, C_2, C_3")
 
 
 class OgdenMaterial(Material):
@@ -41,24 +46,26 @@ class OgdenMaterial(Material):
     """
 
     law: Literal["ogden"]
-    mu_kpa: SignedModulus
-    alpha: Annotated[float, Field(ge=-20.0, le=20.0)]
-    convention: Literal["2mu/alpha^2", "mu/alpha"]
+    mu_kpa: SignedModulus = Field(description="mu; what it is the convention says")
+    alpha: Annotated[float, Field(ge=-20.0, le=20.0)] = Field(description="exponent of the principal stretches")
+    convention: Literal["2mu/alpha^2", "mu/alpha"] = Field(
+        description="factor before the powers: mu is the initial shear modulus, or that is mu alpha / 2"
+    )
 
 
 class NeoHookeMaterial(Material):
     """W = mu/2 (I1 - 3); initial shear modulus mu."""
 
     law: Literal["neo-hooke"]
-    mu_kpa: Modulus
+    mu_kpa: Modulus = Field(description="initial shear modulus")
 
 
 class GuccioneMaterial(Material):
     """W = C/2 (exp(b E:E) - 1), isotropic; initial shear modulus b C / 2."""
 
     law: Literal["guccione"]
-    c_kpa: Modulus
-    b: Annotated[float, Field(gt=0.0, le=100.0)] = 1.0
+    c_kpa: Modulus = Field(description="C")
+    b: Annotated[float, Field(gt=0.0, le=100.0)] = Field(default=1.0, description="factor of the squared strain")
 
 
 AnyMaterial = YeohMaterial | OgdenMaterial | NeoHookeMaterial | GuccioneMaterial

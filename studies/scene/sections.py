@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import difflib
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 Length = Annotated[float, Field(gt=0.0, le=1000.0, allow_inf_nan=False)]
 Stiffness = Annotated[float, Field(gt=0.0, le=1e4, allow_inf_nan=False)]
@@ -16,10 +16,33 @@ Stiffness = Annotated[float, Field(gt=0.0, le=1e4, allow_inf_nan=False)]
 Modulus = Annotated[float, Field(gt=0.0, le=1e7, allow_inf_nan=False)]
 # Of a path, relative to the unloaded volume. The default: inner stretches of 10 (sphere) and 32 (tube), beyond what any
 # silicone takes.
-LargestVolume = Annotated[float, Field(gt=1.0, le=1e6)]
+LargestVolume = Annotated[
+    float, Field(gt=1.0, le=1e6, description="the path ends at so many times the unloaded volume of the cavity")
+]
 LARGEST_VOLUME = 1000.0
+
+
+def _in_a_list(value: Any) -> Any:
+    return [value] if isinstance(value, int | float) and not isinstance(value, bool) else value
+
+
+# A list of loads may have one only, which needs no brackets.
+ONE_OR_MORE = BeforeValidator(_in_a_list)
 # Which of a force on the tip and the pressure comes first: as in `solvers.paths.orders`.
-Order = Literal["auto", "force-first", "together", "pressure-first"]
+Order = Annotated[
+    Literal["auto", "force-first", "together", "pressure-first"],
+    Field(description="which of a force on the tip and the pressure comes first; auto: the force, if it can alone"),
+]
+Control = Annotated[
+    Literal["auto", "pressure", "volume", "arc"], Field(description="what is held in a step of the path")
+]
+Tolerance = Annotated[
+    float, Field(gt=0.0, le=100.0, description="largest discretisation uncertainty of what is wanted, % of the value")
+]
+Fields = Annotated[bool, Field(description="write displacement, stress and stretch of the whole body, for ParaView")]
+SceneName = Annotated[
+    str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$", description="name of the scene in rows, files and reports")
+]
 
 # Results at two loads are told apart if the loads differ by more than this share: tables have six digits.
 APART = 1e-5
@@ -30,9 +53,10 @@ class SceneError(ValueError):
 
 
 class Section(BaseModel):
-    """A table of a scene file: unknown keys are faults."""
+    """A table of a scene file: unknown keys are faults. ``also``: keys that it takes in place of its fields."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=False)
+    also: ClassVar[Mapping[str, str]] = {}
 
 
 Model = TypeVar("Model", bound=Section)
@@ -104,8 +128,10 @@ def explain(error: ValidationError, model: type[Section]) -> list[str]:
         where, section, annotation = _place(model, fault["loc"])
         key, value = ".".join(where), fault.get("input")
         kind, context = fault["type"], fault.get("ctx", {})
-        if kind == "extra_forbidden":
-            allowed = list(section.model_fields)
+        if kind == "extra_forbidden" and where[-1] in section.also:
+            lines.append(f"{key} = {value!r}: must be a finite number greater than 0")
+        elif kind == "extra_forbidden":
+            allowed = [*section.model_fields, *section.also]
             near = difflib.get_close_matches(where[-1], allowed, n=1, cutoff=0.5)
             hint = f"did you mean {near[0]}? " if near else ""
             lines.append(f"{key} = {value!r}: unknown key; {hint}allowed: {', '.join(allowed)}")

@@ -63,6 +63,11 @@ def test_shipped_scenes_are_accepted(path):
         ("convolutions = 8 ", "convolutions = 8.5 ", ["geometry.convolutions = 8.5"]),
         ("[material]", "[materiel]", ["materiel", "did you mean material"]),
         ("tolerance_percent = 1.0", "tolerance_percent = ", ["not a TOML file"]),
+        ("crest_radius_mm = 10.5", "outer_diameter_mm = 3.0", ["outer_diameter_mm = 3", "two walls, 4 mm"]),
+        ("crest_radius_mm = 10.5", "outer_diameter_mm = inf", ["outer_diameter_mm = inf", "finite"]),
+        ("crest_radius_mm = 10.5", f"outer_diameter_mm = {10**400}", ["outer_diameter_mm", "finite"]),
+        ("crest_radius_mm = 10.5", "crest_radius_mm = 10.5\npitch_mm = 10.0", ["pitch_mm = 10", "leave one out"]),
+        ("[5.0, 10.0, 15.0, 20.0]", "true", ["load.pressure_kpa = True", "list"]),
     ],
 )
 def test_wrong_scenes_are_refused(changed, old, new, said):
@@ -70,6 +75,14 @@ def test_wrong_scenes_are_refused(changed, old, new, said):
         load_bellows(changed(old, new))
     for words in said:
         assert words in str(refusal.value)
+
+
+def test_what_is_measured_outside_and_a_single_pressure_are_taken(changed):
+    outside = REFERENCE.replace("crest_radius_mm = 10.5", "outer_diameter_mm = 25.0")
+    outside = outside.replace("half_pitch_mm = 5.0", "pitch_mm = 10.0")
+    assert load_bellows(changed(REFERENCE, outside)) == load_bellows(changed("5", "5"))
+    assert load_bellows(changed("[5.0, 10.0, 15.0, 20.0]", "20")).load.pressure_kpa == [20.0]
+    assert load_bellows(changed("[5.0, 10.0, 15.0, 20.0]", "-1.5")).load.pressure_kpa == [-1.5]
 
 
 def test_laws_are_refused_only_if_they_are_unstable_at_once(changed):
