@@ -60,18 +60,25 @@ def _crossing_rows(scene: BodyScene, runs: Sequence[Run], quantity: str) -> list
     crossings = [None if quantity == "limit_kpa" and _bifurcates(run) else run.summary.crossing for run in runs]
     found = [float(c["pressure_kpa"]) if c else math.nan for c in crossings]
     spread = _convergence(scene, runs, found)
+    # how far meshes went that lost nothing: stability that one of several loses may be the mesh's own
+    beyond = max((_highest_kpa(run) for run, c in zip(runs, crossings, strict=True) if c is None), default=0.0)
     rows = []
     for run, crossing, value in zip(runs, crossings, found, strict=True):
         model, level = run.summary.model, run.summary.level
         within = float(crossing["within_kpa"]) if crossing else math.nan
         status = REACHED if crossing else _no_crossing(run, quantity)
         of_levels = spread.uncertainty(value)
-        total = within if math.isnan(of_levels) and not locks(scene.mesh) else of_levels + within
+        total = within if len(runs) == 1 and not locks(scene.mesh) else of_levels + within
+        total = max(total, beyond - value) if beyond > value else total
         rows.append(row(scene.name, quantity, "kPa", math.nan, model, value, level, total, *known, status))
         if crossing:
             jump = float(crossing["modes_after"]) - float(crossing["modes_before"])
             rows.append(row(scene.name, "crossing_modes", "1", math.nan, model, jump, level))
     return rows
+
+
+def _highest_kpa(run: Run) -> float:
+    return max((state.pressure_kpa for state in run.path), default=0.0)
 
 
 def _bifurcates(run: Run) -> bool:
@@ -85,7 +92,7 @@ def _no_crossing(run: Run, quantity: str) -> str:
         crossing = run.summary.crossing
         modes = f"unstable modes {crossing['modes_before']} -> {crossing['modes_after']}"
         return f"none up to {float(crossing['pressure_kpa']):.6g} kPa, where a bifurcation ({modes}) ends the search"
-    top = f"{max((r.pressure_kpa for r in run.path), default=0.0):.6g} kPa"
+    top = f"{_highest_kpa(run):.6g} kPa"
     if run.summary.status != REACHED:
         return f"stopped at {top}: {run.summary.reason}"
     return f"none up to {top}" + (f" and {LIMIT_VOLUME:g} times the volume" if quantity == "limit_kpa" else "")

@@ -50,6 +50,8 @@ RING_ERROR_PERCENT = {"pla": 0.005, "polyethylene": 0.04}
 RING_SHARE = 0.1
 
 
+# Of the crest's radius; a thinner wall is a film, which nobody casts and whose meshes take minutes.
+THINNEST_WALL = 1.0 / 2000.0
 # What may be requested of a tip.
 TipQuantity = Literal["tip_mm", "tip_force_n"]
 
@@ -294,6 +296,12 @@ def bellows_faults(scene: BellowsScene) -> list[str]:
         check_shape(shape_of(scene))
     except GeometryError as error:
         faults.append(f"geometry: {error}".replace("bends_mm", "points_mm"))
+    g = scene.geometry
+    if g.wall_mm < THINNEST_WALL * g.crest_radius_mm:
+        faults.append(
+            f"geometry.wall_mm = {g.wall_mm:g}: less than 1/{1.0 / THINNEST_WALL:g} of crest_radius_mm = "
+            f"{g.crest_radius_mm:g}: are both in mm? walls from {THINNEST_WALL * g.crest_radius_mm:g} mm on are meshed"
+        )
     rings = scene.rings
     if rings.model == "meshed" and rings.edge_radius_mm >= min(rings.height_mm, 0.5 * rings.seat_mm):
         faults.append(

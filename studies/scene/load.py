@@ -20,7 +20,17 @@ def load_scene(path: Path) -> Scene:
     SceneError
         With one line per fault; nothing has been meshed, solved or written.
     """
-    data = read_toml(path)
+    return scene_from(read_toml(path), path)
+
+
+def scene_from(data: dict[str, Any], path: Path) -> Scene:
+    """Check a scene of which there are the contents of its file; ``path`` is for messages and for files beside it.
+
+    Raises
+    ------
+    SceneError
+        With one line per fault.
+    """
     kind = _kind(data)
     if kind == "bellows" or kind is None:  # a missing kind is told as the missing key it is
         return validated(BellowsScene, data, path, bellows_faults)

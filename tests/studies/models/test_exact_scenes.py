@@ -158,6 +158,26 @@ def test_ring_buckles_where_it_should(scene, tmp_path, monkeypatch, name: str, l
     assert all(abs(r.error_percent) < 0.01 for r in finest(rows, "bore_mm"))
 
 
+THICK_RING = """
+name = "thick"
+geometry = {kind = "ring", inner_radius_mm = 3.09, outer_radius_mm = 6.18, waves = 3}
+material = {law = "guccione", c_kpa = 11.9, b = 4.15}
+load = {kind = "external", pressure_kpa = [17.0]}
+ask = {quantities = ["crossing_kpa"]}
+"""
+
+
+def test_cells_of_a_plane_body_have_no_modes_along_its_axis(tmp_path, monkeypatch) -> None:
+    # the round ring is stable to 34.96 kPa; with cells four times as thick as high it had eight unstable modes here
+    monkeypatch.setattr("studies.planning.bodies.RING_LEVELS", ("r4",))
+    path = tmp_path / "thick.toml"
+    path.write_text(THICK_RING, encoding="utf-8")
+    run("solve", path, "--out", tmp_path / "out")  # a single mesh is never certain: exit code 3
+    rows = read_rows(tmp_path / "out" / "rows.csv")
+    assert [r.value for r in finest(rows, "unstable_modes")] == [0.0]
+    assert finest(rows, "crossing_kpa")[0].reference == pytest.approx(34.96, rel=1e-3)
+
+
 def test_rivlins_cube_gives_way_at_twice_the_shear_modulus(scene, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr("studies.planning.bodies.BLOCK_LEVELS", ("n2",))
     rows = solved(scene("cube"), tmp_path / "out")

@@ -42,6 +42,7 @@ def test_shipped_scenes_are_accepted(path):
     [
         ("wall_mm = 2.0", "wal_mm = 2.0", ["geometry.wal_mm = 2.0", "did you mean wall_mm"]),
         ("wall_mm = 2.0", "wall_mm = -2.0", ["geometry.wall_mm = -2.0", "greater than 0 mm"]),
+        ("wall_mm = 2.0", "wall_mm = 0.002", ["geometry.wall_mm = 0.002", "1/2000", "0.00525 mm"]),
         ("wall_mm = 2.0", "wall_mm = 4.0", ["half_pitch_mm = 5", "7 mm"]),
         ("wall_mm = 2.0", "wall_m = 0.002", ["geometry.wall_m = 0.002", "wall_mm"]),
         ("crest_radius_mm = 10.5", "crest_radius_mm = 4.0", ["crest_radius_mm = 4", "root_radius_mm = 5"]),
