@@ -90,7 +90,7 @@ OVER_CORES := -n $(shell n=$$(nproc); echo $$((n < 8 ? n : 8))) --dist loadfile
 lint: $(STAMP) .venv/types/numpy ## ruff, mypy, hadolint
 	$(PY) -m ruff check .
 	$(PY) -m ruff format --check .
-	MYPYPATH=.venv/types $(PY) -m mypy analytical meshes solvers studies tests packages/check.py
+	MYPYPATH=.venv/types $(PY) -m mypy analytical bellowsx meshes solvers studies tests packages/check.py
 	.venv/bin/hadolint Containerfile
 
 .PHONY: format
@@ -265,6 +265,12 @@ keep-examples: ## copy the reports of EXAMPLES from results to docs; field files
 		(cd results/$$study && cp --parents *.csv $$(ls */sweep.csv 2> /dev/null) ../../docs/$$study/); \
 		sed -i '/\.vtu)$$/d' docs/$$study/report.md; \
 	done
+
+# --- documentation --------------------------------------------------------------------------
+.PHONY: docs
+docs: $(STAMP) ## the documentation as a site, links checked, no network -> build/site/index.html
+	NO_MKDOCS_2_WARNING=1 .venv/bin/mkdocs build --quiet --strict
+	@echo "documentation: build/site/index.html"
 
 # --- tidying --------------------------------------------------------------------------------
 .PHONY: clean

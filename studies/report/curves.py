@@ -9,8 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from studies.report.style import BESIDE, OTHERS, edge_of, figure_file, grid, style_of
+
+# Width and height of a plot of elongation over pressure.
+SIZE_IN: tuple[float, float] = (8.2, 4.9)
 
 
 @dataclass(frozen=True)
@@ -60,15 +64,20 @@ def draw_elongation(
     label
         Of the vertical axis.
     """
-    with figure_file(path, 8.2, 4.9) as figure:
-        axes = figure.add_subplot()
-        entries = draw_curves(axes, curves)
-        axes.set_xlabel("cavity pressure, kPa")
-        axes.set_ylabel(label)
-        drawn = [tip for curve in curves for tip in curve.tip_mm]
-        axes.set_ylim(bottom=1.04 * min([0.0, *drawn]))
-        set_pressure_axis(axes, asked_kpa)
-        axes.legend(handles=entries, **BESIDE)
+    with figure_file(path, *SIZE_IN) as figure:
+        elongation_axes(figure, curves, asked_kpa, label)
+
+
+def elongation_axes(figure: Figure, curves: Sequence[Curve], asked_kpa: Sequence[float], label: str) -> None:
+    """Put the axes of `draw_elongation` into a figure, which may be of `SIZE_IN`."""
+    axes = figure.add_subplot()
+    entries = draw_curves(axes, curves)
+    axes.set_xlabel("cavity pressure, kPa")
+    axes.set_ylabel(label)
+    drawn = [tip for curve in curves for tip in curve.tip_mm]
+    axes.set_ylim(bottom=1.04 * min([0.0, *drawn]))
+    set_pressure_axis(axes, asked_kpa)
+    axes.legend(handles=entries, **BESIDE)
 
 
 def draw_curves(axes: Axes, curves: Sequence[Curve], scale: float = 1.0) -> list[Any]:

@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+from matplotlib.figure import Figure
+
 from studies.planning.levels import LIMIT, ranking
 from studies.report import scene_tables
 from studies.report.bar_charts import draw_overview, draw_times
-from studies.report.curves import Curve, draw_elongation
+from studies.report.curves import SIZE_IN, Curve, draw_elongation, elongation_axes
 from studies.report.labels import TIP, TIP_FORCE, level_label, model_label, ordered, runs_label, split_key
 from studies.report.numbers import duration, is_printed, rounded_up, short_status
 from studies.report.pictures.child import draw_states
@@ -78,9 +80,8 @@ def _scene(folder: Path, scene: SceneReport) -> dict[str, Any]:
     """What the template shows of a scene; draws its pictures on the way."""
     anchor = anchor_of(scene)
     elongation, states, times = (f"pictures/{anchor}-{name}.png" for name in ("elongation", "states", "times"))
-    what = "force at the blocked tip" if quantity_of(scene) == TIP_FORCE else "elongation at the tip"
-    axis = f"{what}, {unit_of(scene)}"
-    draw_elongation(folder / elongation, _curves(scene), scene.pressures_kpa, axis)
+    what = _what(scene)
+    draw_elongation(folder / elongation, _curves(scene), scene.pressures_kpa, f"{what}, {unit_of(scene)}")
     if scene.runs:
         labels = [label_of(scene, run.model, run.level) for run in scene.runs]
         draw_times(folder / times, labels, scene_tables.seconds_of(scene.runs))
@@ -103,6 +104,7 @@ def _scene(folder: Path, scene: SceneReport) -> dict[str, Any]:
         "states": states,
         "why_no_states": why_no_states,
         "rings_drawn": any(scene.rings.values()),
+        "run_with_fields": _run_with_fields(folder, scene),
         "convergence": scene_tables.convergence(scene),
         "instabilities": _instabilities(scene),
         "others": scene_tables.others(scene),
@@ -113,6 +115,17 @@ def _scene(folder: Path, scene: SceneReport) -> dict[str, Any]:
         "notes": _notes(scene),
         "files": _files(folder, scene),
     }
+
+
+def _what(scene: SceneReport) -> str:
+    return "force at the blocked tip" if quantity_of(scene) == TIP_FORCE else "elongation at the tip"
+
+
+def elongation_figure(scene: SceneReport) -> Figure:
+    """The plot of elongation, or of the force at a blocked tip, over pressure, as a figure."""
+    figure = Figure(figsize=SIZE_IN, layout="constrained")
+    elongation_axes(figure, _curves(scene), scene.pressures_kpa, f"{_what(scene)}, {unit_of(scene)}")
+    return figure
 
 
 def _curves(scene: SceneReport) -> list[Curve]:
@@ -176,6 +189,12 @@ def _draw_overview(folder: Path, scenes: Sequence[SceneReport]) -> str:
     labels = [f"{scene.name}\n{max(scene.pressures_kpa):g} kPa" for scene in scenes]
     draw_overview(folder / "pictures/overview.png", labels, values)
     return "pictures/overview.png"
+
+
+def _run_with_fields(folder: Path, scene: SceneReport) -> str:
+    """Address of the folder of the run that the fields are of; empty if there are none."""
+    run = next((vtu.parents[1] for vtu in scene.fields.values()), None)
+    return "" if run is None else os.path.relpath(run.resolve(), folder.resolve())
 
 
 def _files(folder: Path, scene: SceneReport) -> list[tuple[str, str]]:
