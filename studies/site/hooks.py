@@ -10,7 +10,7 @@ from mkdocs.structure.files import File, Files
 from mkdocs.utils import get_relative_url
 
 from studies.site.columns import columns_page
-from studies.site.formulas import with_mathml
+from studies.site.formulas import hidden, shown
 from studies.site.messages import messages_page
 from studies.site.problems import sheets
 from studies.site.scene_keys import scene_page
@@ -45,9 +45,14 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     if page.file.src_uri.endswith(_REPORT):
         return markdown
     try:
-        return with_mathml(filled(markdown) if "{{" in markdown else markdown)
+        return hidden(filled(markdown) if "{{" in markdown else markdown)
     except ValueMissing as error:
         raise PluginError(f"{page.file.src_uri}: {error}") from None
+
+
+def on_page_content(html: str, **_: Any) -> str:
+    """Show formulas; options of commands that have no default say so."""
+    return shown(html).replace("<code>Sentinel.UNSET</code>", "–")
 
 
 def on_post_page(output: str, page: Any, **_: Any) -> str:

@@ -14,7 +14,7 @@ from solvers.errors import Cause
 from studies.scene.bellows import BellowsScene
 from studies.scene.sections import Section
 from studies.site.columns import columns_page
-from studies.site.formulas import with_mathml
+from studies.site.formulas import hidden, shown
 from studies.site.messages import CAUSES, all_messages, messages_of, messages_page
 from studies.site.problems import sheets
 from studies.site.scene_keys import scene_page
@@ -61,7 +61,7 @@ def test_site_builds_with_all_links_whole(tmp_path: Path) -> None:
     outside = re.findall(r'<(?:script|link|img)[^>]+(?:src|href)="(https?://[^"]+)"', front)
     assert outside == []
     theory = (tmp_path / "site" / "theory" / "mixed-form.html").read_text(encoding="utf-8")
-    assert "<math" in theory
+    assert "<math" in theory and "⟦" not in theory
 
 
 def test_numbers_are_those_of_rows() -> None:
@@ -71,8 +71,9 @@ def test_numbers_are_those_of_rows() -> None:
 
 
 def test_formulas_in_code_and_prices_stay() -> None:
-    assert with_mathml("`$a$` costs 5$ or 6$") == "`$a$` costs 5$ or 6$"
-    assert "<math" in with_mathml("so $a_1$ is") and 'display="block"' in with_mathml("$$\na = b\n$$")
+    assert hidden("`$a$` costs 5$ or 6$") == "`$a$` costs 5$ or 6$"
+    assert "<math" not in hidden("$a_1$ is") and "<math" in shown(hidden("$a_1$ is"))
+    assert 'display="block"' in shown(hidden("$$\na = b\n$$"))
 
 
 def test_every_key_of_a_bellows_has_a_meaning() -> None:
