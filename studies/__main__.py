@@ -13,6 +13,7 @@ from types import TracebackType
 import click
 from mpi4py import MPI
 
+from studies.command.begin import draw, new, open_
 from studies.command.common import examples
 from studies.command.look import check, material, mesh
 from studies.command.report import report
@@ -36,7 +37,7 @@ def main() -> None:
     """Bellows actuators: closed form beside finite elements, with the error of each."""
 
 
-for command in (plan, solve, report, batch, sweep, study, check, material, mesh):
+for command in (new, draw, plan, solve, report, open_, batch, sweep, study, check, material, mesh):
     main.add_command(command)
 
 

@@ -5,8 +5,8 @@ slips, in the body's frame, by
 
     e = R' (X - c + u - U) - (X - c),        energy 1/2 int g (kn (e.n)^2 + kt |e - (e.n) n|^2) dA
 
-with n the reference normal, stiffnesses kn, kt per area and a grade g in [0, 1]. With a rotation increment
-R -> R exp(W_j), variations for body unknown j (translation d_j, skew W_j) and test function v are
+with n the reference normal, stiffnesses kn, kt per area and a grade g >= 0 (1 in the middle of a seat). With a rotation
+increment R -> R exp(W_j), variations for body unknown j (translation d_j, skew W_j) and test function v are
 
     e_v = R' v,   e_j = -W_j y - R' d_j,   e_vj = -W_j R' v,   e_ij = sym(W_i W_j) y + W_j R' d_i + W_i R' d_j
 

@@ -29,7 +29,7 @@ from studies.fuzz.meshfiles import FILE
 from studies.planning.levels import MOST_UNKNOWNS
 from studies.results.kept import keep, read_kept
 
-# An axisymmetric run and the one that checks it take seconds of a core, a body that is refined to a tight tolerance up to
+# An axisymmetric run and the one that checks it take seconds of a core, a body that is refined to a tight tolerance
 # minutes; so long on the clock means that it hangs: other work may slow this machine down.
 LIMIT_S, LIMIT_CLOCK_S = 300.0, 1800.0
 # Address space of a child, compilers and gmsh included; a run of this size takes a third of it.

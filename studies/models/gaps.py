@@ -1,7 +1,7 @@
 """Smallest distance between neighbouring folds and between the wall and rigid rings, at a state of a scene.
 
-Measured in meridian planes: the one of an axisymmetric mesh, or all planes of nodes of a swept body. Contact is not
-modelled: a state beyond first touch is an answer without it.
+Measured in meridian planes: the one of an axisymmetric mesh, or all planes of nodes of a swept body. Of bodies, in
+which contact is not modelled, a state beyond first touch is an answer without it.
 """
 
 from __future__ import annotations

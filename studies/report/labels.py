@@ -47,6 +47,11 @@ QUANTITIES: Mapping[str, str] = {
     "whole_residual": "residual of the whole body by its load",
     "limit_kpa": "limit point of the pressure",
     "crossing_kpa": "loss of stability",
+    "bond_slip_rms_mm": "slip of the bond, root mean square",
+    "predicted_error_percent": "error expected before solving",
+    "checked_error_percent": "error found by the check",
+    "predicted_work_s": "work expected before solving, s",
+    "work_s": "work done, s",
     "silicone_g": "mass of the silicone",
     "ring_g": "mass of the rings",
 }

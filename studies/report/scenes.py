@@ -61,6 +61,9 @@ def verdict(scene: SceneReport) -> str:
         and math.isfinite(full.value)
         and full.value != 0.0
     ]
+    solved = {run.model for run in scene.runs}
+    if len(solved) == 1:
+        return f"{model_label(*solved)} alone; --model full3d solves the whole body beside it"
     if not pairs:
         return "no pressure that both axisymmetric and full 3D reached"
     largest = max(abs(difference_percent(one.value, other.value)) for one, other in pairs)

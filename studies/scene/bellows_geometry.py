@@ -41,7 +41,9 @@ class Geometry(Section):
     wall_mm: Length = Field(description="t, wall thickness, normal to the wall")
     half_pitch_mm: Length = Field(description="e, axial distance from a crest to the next root")
     convolutions: Annotated[int, Field(ge=1, le=100)] = Field(description="n, number of convolutions")
-    collar_mm: Length = Field(default=3.0, description="straight length beyond the last crest, at either end")
+    collar_mm: Length = Field(
+        default=3.0, description="axial length at either end, to the middle of the crest next to it"
+    )
     fillet_mm: Annotated[float, Field(ge=0.1, le=100.0)] = Field(
         default=0.5, description="radius of every concave surface"
     )

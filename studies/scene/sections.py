@@ -39,7 +39,7 @@ Control = Annotated[
 Tolerance = Annotated[
     float, Field(gt=0.0, le=100.0, description="largest discretisation uncertainty of what is wanted, % of the value")
 ]
-Fields = Annotated[bool, Field(description="write displacement, stress and stretch of the whole body, for ParaView")]
+Fields = Annotated[bool, Field(description="in 3D: write displacements, stretches and pressure for ParaView")]
 SceneName = Annotated[
     str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$", description="name of the scene in rows, files and reports")
 ]

@@ -116,11 +116,11 @@ def _shown(value: Any) -> str:
 
 def allowed(field: FieldInfo) -> str:
     """What a field may be: choices, or bounds."""
-    choices, bounds, is_list = _choices(field.annotation), list(field.metadata), _is_list(field.annotation)
+    choices, bounds, is_list = choices_of(field.annotation), list(field.metadata), _is_list(field.annotation)
     for inner in get_args(field.annotation):
         bounds += [entry for part in getattr(inner, "__metadata__", ()) for entry in getattr(part, "metadata", [part])]
         if get_origin(inner) is Annotated:
-            choices = choices or _choices(get_args(inner)[0])
+            choices = choices or choices_of(get_args(inner)[0])
             is_list = is_list or _is_list(get_args(inner)[0])
     if choices:
         return " or ".join(f'`"{choice}"`' for choice in choices)
@@ -135,11 +135,12 @@ def allowed(field: FieldInfo) -> str:
 _SIGNS = {"gt": ">", "ge": "≥", "lt": "<", "le": "≤"}
 
 
-def _choices(annotation: Any) -> list[str]:
+def choices_of(annotation: Any) -> list[str]:
+    """The texts that a key may be, if it may be one of several."""
     if get_origin(annotation) is Literal:
         return [str(value) for value in get_args(annotation)]
     if get_origin(annotation) in (Union, types.UnionType, list, Annotated):
-        return [choice for member in get_args(annotation) for choice in _choices(member)]
+        return [choice for member in get_args(annotation) for choice in choices_of(member)]
     return []
 
 

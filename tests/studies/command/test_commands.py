@@ -14,8 +14,9 @@ from click.testing import CliRunner
 from studies.__main__ import main
 from studies.command.solve_output import answers
 from studies.results.rows import row
+from studies.scene.load import load_bellows
 
-COMMANDS = ("plan", "solve", "report", "batch", "sweep", "study", "check", "material", "mesh")
+COMMANDS = ("new", "draw", "open", "plan", "solve", "report", "batch", "sweep", "study", "check", "material", "mesh")
 
 
 def invoke(*arguments: object):
@@ -31,6 +32,40 @@ def test_help_has_examples(command: str) -> None:
     done = invoke(command, "--help")
     assert done.exit_code == 0
     assert f"    bellowsx {command}" in done.output
+
+
+def test_a_new_scene_is_sound_says_what_keys_mean_and_overwrites_nothing(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    assert invoke("new", file).exit_code == 0
+    text = file.read_text(encoding="utf-8")
+    assert "# R_i, radius of the roots" in text and "free | blocked" in text
+    assert load_bellows(file).name == "mine"
+    # every key that is commented out may be taken as it stands
+    file.write_text(text.replace("\n# ", "\n").replace("points_mm = []", "# "), encoding="utf-8")
+    load_bellows(file)
+    again = invoke("new", file)
+    assert again.exit_code == 2 and "nothing is overwritten" in again.output
+
+
+def test_draw_prints_sizes_and_draws_the_section(root: Path, tmp_path: Path) -> None:
+    picture = tmp_path / "section.png"
+    done = invoke("draw", root / "scenes" / "heung-t2-ri5.toml", "--picture", picture)
+    assert done.exit_code == 0 and picture.stat().st_size > 10_000
+    found = {line[:34].strip(): float(line[34:].split()[0]) for line in done.output.splitlines()[:-1]}
+    assert found["outer diameter, without rings"] == 25.0 and found["length of the cavity"] == 86.0
+    assert found["mass of the silicone"] == pytest.approx(22.08, rel=1e-3)
+    # a cylinder between those of roots and crests
+    assert 3.1416 * 0.5**2 * 8.6 < found["volume of the cavity"] < 3.1416 * 1.05**2 * 8.6
+    refused = invoke("draw", root / "scenes" / "exact" / "tube.toml")
+    assert refused.exit_code == 2 and "bellowsx mesh FILE" in refused.output
+
+
+def test_open_names_what_there_is_to_look_at(tmp_path: Path) -> None:
+    (tmp_path / "rows.csv").write_text("", encoding="utf-8")
+    done = invoke("open", tmp_path, "--print")
+    assert done.exit_code == 0 and "bellowsx report" in done.output and "rows.csv" in done.output
+    (tmp_path / "empty").mkdir()
+    assert invoke("open", tmp_path / "empty").exit_code == 2
 
 
 def test_shells_complete_commands() -> None:
