@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Your own actuator
 #
-# From sizes to elongation, uncertainty and stability, then two designs side by side. Cells are marked by `# %%`: Jupyter opens
-# this file as a notebook with jupytext, VS Code and Spyder by themselves; it runs as a plain script, too.
+# From sizes to elongation, uncertainty and stability, then two designs side by side. Cells are marked by `# %%`:
+# Jupyter opens this file as a notebook with jupytext, VS Code and Spyder by themselves; it runs as a plain script, too.
 
 # %%
 from pathlib import Path
@@ -31,8 +31,8 @@ scene = Scene.of(
 print(scene.plan())
 
 # %% [markdown]
-# The first solve compiles its forms, which takes up to a minute once; then it is a second. The last line says whether the
-# tolerance of 1 % is met.
+# The first solve compiles its forms, which takes up to a minute once; then it is a second. The last line says
+# whether the tolerance of 1 % is met.
 
 # %%
 answer = solve(scene, OUT / "mine")

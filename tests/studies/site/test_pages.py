@@ -11,11 +11,15 @@ import pytest
 ROOT = Path(__file__).resolve().parents[3]
 FENCE = re.compile(r"^```(sh|toml|python)(?: title=\"([^\"]+)\")?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 # What a reader's clone has and commands read.
-SHARED = (".venv", "analytical", "bellowsx", "docs", "meshes", "packages", "pyproject.toml", "scenes", "solvers")
-SHARED += ("studies", "sweeps", "tests")
+SHARED = (
+    *(".venv", "analytical", "bellowsx", "docs", "meshes", "packages", "pyproject.toml", "scenes", "solvers"),
+    *("studies", "sweeps", "tests"),
+)
 QUICK = ("docs/index.md", "docs/start/first-actuator.md", "docs/start/install.md", "README.md")
-SLOW = tuple(f"docs/tutorials/{name}.md" for name in ("own-actuator", "own-mesh", "reading-a-report"))
-SLOW += ("docs/tutorials/sweep-on-a-cluster.md", "docs/contributing.md")
+SLOW = (
+    *(f"docs/tutorials/{name}.md" for name in ("own-actuator", "own-mesh", "reading-a-report", "sweep-on-a-cluster")),
+    "docs/contributing.md",
+)
 
 
 def steps(page: Path) -> list[tuple[str, str, str]]:
