@@ -44,7 +44,7 @@ LAST_KPA: Final = 22.0
 ROWS_DIFFER: Final = "The vertical scale of the upper panels is not that of the lower ones."
 # Ends the names of scenes on the outline of the paper's figure 2.
 ZIGZAG: Final = "-zigzag"
-_ELONGATION: Final = "elongation at the tip, mm"
+ELONGATION: Final = "elongation at the tip, mm"
 # The chain as printed is below the others, wide, so that it is seen where the corrected one hides it.
 _CHAINS: Final[dict[str, dict[str, Any]]] = {
     "closed_form_printed": {"linestyle": "-", "linewidth": 4.0, "alpha": 0.6},
@@ -63,9 +63,20 @@ def draw_elongations(path: Path, results: PaperResults) -> str:
 
     A chain as printed is drawn up to where it folds back.
     """
-    cases = by_base(results.of("core"))
+    cases, curves = by_base(results.of("core")), elongation_curves(results)
     if not cases:
         return "no reference actuator has been run"
+    with figure_file(path, WIDTH_IN, 8.4) as figure:
+        axes, entries = draw_actuators(figure, ELONGATION, REFERENCE_SCENES, cases, curves)
+        for base, panel in axes.items():
+            draw_band(panel, cases[base])
+        legend_below(figure, entries, columns=2, title=ROWS_DIFFER, fontsize=8.5)
+    return ""
+
+
+def elongation_curves(results: PaperResults) -> Callable[[str], list[Curve]]:
+    """What makes the curves of elongation over pressure, by every model and as printed, of an actuator."""
+    cases = by_base(results.of("core"))
     zigzags = {case.case.scene.removesuffix(ZIGZAG): case for case in results.of("zigzag")}
     tets = {base: results.variant(base, "tets") for base in cases}
     moulded = _with_doubt("axisymmetric, as moulded", cases.values(), "axisymmetric")
@@ -85,12 +96,7 @@ def draw_elongations(path: Path, results: PaperResults) -> str:
             *printed_curves(case),
         ]
 
-    with figure_file(path, WIDTH_IN, 8.4) as figure:
-        axes, entries = draw_actuators(figure, _ELONGATION, REFERENCE_SCENES, cases, curves)
-        for base, panel in axes.items():
-            _draw_band(panel, cases[base])
-        legend_below(figure, entries, columns=2, title=ROWS_DIFFER, fontsize=8.5)
-    return ""
+    return curves
 
 
 def _with_doubt(label: str, cases: Iterable[CaseResult], model: str) -> str:
@@ -113,7 +119,7 @@ def _half(side: str, colour: str = VERMILION) -> dict[str, Any]:
     return {"fillstyle": side, "color": colour, **square}
 
 
-def _draw_band(axes: Axes, case: CaseResult) -> None:
+def draw_band(axes: Axes, case: CaseResult) -> None:
     """Draw what the meshes lead to, with its uncertainty, behind the line of the axisymmetric path."""
     rows = [row for row in series(case.rows, TIP, "axisymmetric") if math.isfinite(row.uncertainty)]
     if not rows or not case.axisymmetric:
@@ -145,7 +151,7 @@ def draw_conventions(path: Path, results: PaperResults) -> str:
         return [*(printed_curves(core[base]) if base in core else ()), *found]
 
     with figure_file(path, WIDTH_IN, 4.4) as figure:
-        _, entries = draw_actuators(figure, _ELONGATION, THICK, {**other, **core}, curves)
+        _, entries = draw_actuators(figure, ELONGATION, THICK, {**other, **core}, curves)
         legend_below(figure, entries)
     return ""
 
@@ -156,7 +162,7 @@ def draw_dimensions_matter(path: Path, results: PaperResults) -> str:
         return "no set of dimensions has been run"
     with figure_file(path, WIDTH_IN, 7.2) as figure:
         below: list[Any] = []
-        for axes, *slot in zip(panels(figure, _ELONGATION, 4), *SETS.values(), strict=True):
+        for axes, *slot in zip(panels(figure, ELONGATION, 4), *SETS.values(), strict=True):
             cases = [results.named(actuator.name) for actuator in slot]
             found = [case for case in cases if case.runs]
             curves = []

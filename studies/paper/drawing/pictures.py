@@ -14,7 +14,7 @@ from typing import Final
 
 from meshes import bellows, fold, meridian, sweep
 from studies.paper.cases import HIGHEST_KPA, REFERENCE_SCENES
-from studies.paper.drawing import blocked, lines, meshes, outline, panels, plots, sets
+from studies.paper.drawing import blocked, front, lines, meshes, outline, panels, plots, sets
 from studies.paper.results import CaseResult, PaperResults, is_known
 from studies.paper.setup.sizes import ZIGZAG, scene_file
 from studies.report import curves, style
@@ -80,6 +80,9 @@ def draw_all(folder: Path, results: PaperResults) -> dict[str, str]:
         add("mesh", lambda path: _draw_setup(path, REFERENCE_SCENES[2], meshes.draw_meshes, setups[1]))
         add("roots", lambda path: _draw_roots(path, results))
         list(done)
+    states = folder / f"pictures/{STATES}{front.ACTUATOR}.png"
+    key = key_of(results.rows, hashes, code=[front, lines, panels, style, closed_form_rows], files=[states])
+    add("front", lambda path: once(path, key, lambda: front.draw_front(path, results, states)))
     return found
 
 

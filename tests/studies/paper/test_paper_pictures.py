@@ -6,13 +6,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.image import imsave
 
 from studies.models.modes import FoundCrossing
 from studies.paper.blocked import blocked_sentences, first_touch, sideways
 from studies.paper.cases import REFERENCE_SCENES, Case, cases
-from studies.paper.drawing import blocked, panels, pictures, plots
+from studies.paper.drawing import blocked, front, panels, pictures, plots
 from studies.paper.results import CaseResult, PaperResults
 from studies.report.pictures.stills import Still
 from studies.results.closed_form_rows import closed_form_values
@@ -53,6 +55,17 @@ def test_blocked_is_dashed_from_the_first_sideways_mode(tmp_path: Path, drawn: l
     assert [ends(line) for line in rings] == [([5.0], [0.75])]
     assert axes.get_ylabel() == "force at the blocked tip, N"
     assert at(known["closed form"], 5.0) == pytest.approx(closed_form_values(bent_scene(), 5.0)[0][1])
+
+
+def test_front_is_the_states_beside_the_curves(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    figures = kept_figures(monkeypatch, front)
+    states = tmp_path / "states.png"
+    imsave(states, np.zeros((4, 5)))
+    assert front.draw_front(tmp_path / "x.png", results("core"), states) == ""
+    left, right = figures[0].axes
+    assert len(left.images) == 1 and not left.axison
+    assert {"closed form", "paper: experiment (± 0.5 mm)"} <= set(curves(right))
+    assert "no" in front.draw_front(tmp_path / "x.png", results("core"), tmp_path / "none.png")
 
 
 def bent_scene() -> BellowsScene:
