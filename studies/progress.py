@@ -1,4 +1,4 @@
-"""Progress on the terminal; silent when the output is not one."""
+"""Progress on the terminal; plain lines, not too many, where the output is a log."""
 
 from __future__ import annotations
 
@@ -8,9 +8,17 @@ from mpi4py import MPI
 from rich.console import Console
 from rich.status import Status
 
+from studies.report.numbers import duration
+
+
+# Least time between two lines of a log, s.
+LOG_EVERY_S = 20.0
+
 
 class Progress:
     """Shows the running model, load, Newton iteration, elapsed and estimated time on rank 0 of a terminal.
+
+    Of a study it tells the cases and, from those that are done, how long the rest may take; in a log too.
 
     Parameters
     ----------
@@ -24,6 +32,7 @@ class Progress:
         self._on = comm.rank == 0 and self._console.is_terminal
         self._status: Status | None = None
         self._case = self._label = ""
+        self._study = self._last = time.perf_counter()
         self._start = 0.0
         self._highest_mpa = 0.0
         self._share = 0.0
@@ -31,8 +40,14 @@ class Progress:
     def case(self, place: int, count: int, name: str) -> None:
         """A study comes to one of its cases, counted from 1; what runs from now on belongs to it."""
         self._case = f"{name}, case {place} of {count}: "
-        if self._on and self._status is None:
-            self._console.print(self._case.removesuffix(": "), highlight=False)
+        now = time.perf_counter()
+        if self._comm.rank or (not self._on and now - self._last < LOG_EVERY_S) or self._status is not None:
+            return
+        self._last, so_far = now, now - self._study
+        line = f"case {place} of {count}, {name}"
+        if place > 1:
+            line += f"; {duration(so_far)} so far, about {duration(so_far / (place - 1) * (count - place + 1))} left"
+        self._console.print(line, highlight=False, soft_wrap=True)
 
     def begin(self, label: str, highest_mpa: float) -> None:
         """A run starts; it ends when the highest pressure is reached."""

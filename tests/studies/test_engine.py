@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,7 @@ from click.testing import CliRunner
 from mpi4py import MPI
 
 from solvers.errors import SolverError
+from studies import progress
 from studies.catalogue import STUDIES, load_study
 from studies.command.study import command_of, study
 from studies.engine import Bar, Page, Setting, Solved, Study, run
@@ -141,3 +143,16 @@ def test_every_study_loads_and_asks_a_question(name: str, root: Path) -> None:
 def test_the_list_has_every_study() -> None:
     listed = CliRunner().invoke(study, ["--list"]).output
     assert all(f"{name} " in listed and load_study(name).question in listed for name in STUDIES)
+
+
+def test_a_log_has_the_cases_and_how_long_the_rest_may_take(monkeypatch: pytest.MonkeyPatch, capsys) -> None:
+    monkeypatch.setattr(progress, "LOG_EVERY_S", 0.0)
+    shown = progress.Progress(MPI.COMM_SELF)
+    for place in (1, 2, 3):
+        shown.case(place, 3, f"c{place}")
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[0] == "case 1 of 3, c1"
+    assert re.fullmatch(r"case 3 of 3, c3; \S+ s so far, about \S+ s left", lines[2])
+    monkeypatch.setattr(progress, "LOG_EVERY_S", 60.0)
+    shown.case(3, 3, "c3")
+    assert capsys.readouterr().err == ""
