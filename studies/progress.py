@@ -10,7 +10,6 @@ from rich.status import Status
 
 from studies.report.numbers import duration
 
-
 # Least time between two lines of a log, s.
 LOG_EVERY_S = 20.0
 
