@@ -8,11 +8,17 @@ from itertools import cycle
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.interpolate import PchipInterpolator
 
 from studies.report.style import BESIDE, OTHERS, edge_of, figure_file, grid, style_of
 
+Points = list[tuple[float, float]]
+
+# Points of a smooth line between two converged states.
+_BETWEEN = 16
 # Width and height of a plot of elongation over pressure.
 SIZE_IN: tuple[float, float] = (8.2, 4.9)
 
@@ -78,6 +84,25 @@ def elongation_axes(figure: Figure, curves: Sequence[Curve], asked_kpa: Sequence
     axes.set_ylim(bottom=1.04 * min([0.0, *drawn]))
     set_pressure_axis(axes, asked_kpa)
     axes.legend(handles=entries, **BESIDE)
+
+
+def smooth(points: Sequence[tuple[float, float]]) -> Points:
+    """Points joined by a curve without corners: a monotone cubic (PCHIP) of both numbers over the length of the chord.
+
+    Monotone where the points are, and a path may turn back in its pressure.
+    """
+    if len(points) < 3:
+        return list(points)
+    at = np.array(points)
+    spans = np.ptp(at, axis=0)
+    chords = np.linalg.norm(np.diff(at, axis=0) / np.where(spans > 0.0, spans, 1.0), axis=1)
+    keep = np.concatenate([[True], chords > 0.0])
+    at, length = at[keep], np.concatenate([[0.0], np.cumsum(chords)])[keep]
+    if len(at) < 3:
+        return list(points)
+    places = np.interp(np.linspace(0.0, len(at) - 1.0, _BETWEEN * (len(at) - 1) + 1), np.arange(len(at)), length)
+    inner = PchipInterpolator(length, at)(places[1:-1])
+    return [points[0], *((float(x), float(y)) for x, y in inner), points[-1]]
 
 
 def draw_curves(axes: Axes, curves: Sequence[Curve], scale: float = 1.0) -> list[Any]:

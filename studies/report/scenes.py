@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from studies.planning.levels import LIMIT, ranking
 from studies.report import scene_tables
 from studies.report.bar_charts import draw_overview, draw_times
-from studies.report.curves import SIZE_IN, Curve, draw_elongation, elongation_axes
+from studies.report.curves import SIZE_IN, Curve, draw_elongation, elongation_axes, smooth
 from studies.report.labels import TIP, TIP_FORCE, level_label, model_label, ordered, runs_label, split_key
 from studies.report.numbers import duration, is_printed, rounded_up, short_status
 from studies.report.pictures.child import draw_states
@@ -146,7 +146,7 @@ def _curves(scene: SceneReport) -> list[Curve]:
             states = [s for s in states if s.tip_force_n == states[-1].tip_force_n]
         path = [(state.pressure_kpa, state.tip_force_n if force else state.tip_mm) for state in states]
         if model == "axisymmetric" and path:
-            points, bars = path if loaded else _from_rest(path), []
+            points, bars = smooth(path if loaded else _from_rest(path)), []
         elif not model.startswith("paper_") and model != "full3d":
             points, bars = _from_rest(points), []
         stop = next((row.status for row in rows if not is_reached(row)), "")

@@ -7,25 +7,20 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from studies.paper.errors import PRINTED
 from studies.paper.results import CaseResult
-from studies.report.curves import Curve
+from studies.report.curves import Curve, Points, smooth
 from studies.report.labels import TIP, model_label
 from studies.report.numbers import rounded_up
 from studies.results.closed_form_rows import closed_form_curve
 from studies.results.rows import REACHED, Row
 from studies.results.runs import Run, followed
 
-Points = list[tuple[float, float]]
-
 # A curve that no legend names.
 UNNAMED: Final = "_"
 # Points of a chain's curve: its kink at full unfolding is at most a twentieth of a kilopascal wide.
 CHAIN_POINTS: Final = 401
-# Points of a smooth line between two converged states.
-_BETWEEN: Final = 16
 # The paper prints centimetres with one decimal.
 PRINT_ROUNDING_MM: Final = 0.5
 # Printed numbers stand side by side, beside their pressure, as one would cover another: the first and the step, kPa.
@@ -61,25 +56,6 @@ def body_curves(case: CaseResult, label: str, look: Mapping[str, Any]) -> list[C
     pressures, tips, doubts = zip(*((r.pressure_kpa, r.value, r.uncertainty) for r in rows), strict=True)
     bars = doubts if np.isfinite(doubts).any() else ()
     return [Curve("full3d", label, pressures, tips, bars, look=look)]
-
-
-def smooth(points: Sequence[tuple[float, float]]) -> Points:
-    """Points joined by a curve without corners: a monotone cubic (PCHIP) of both numbers over the length of the chord.
-
-    Monotone where the points are, and a path may turn back in its pressure.
-    """
-    if len(points) < 3:
-        return list(points)
-    at = np.array(points)
-    spans = np.ptp(at, axis=0)
-    chords = np.linalg.norm(np.diff(at, axis=0) / np.where(spans > 0.0, spans, 1.0), axis=1)
-    keep = np.concatenate([[True], chords > 0.0])
-    at, length = at[keep], np.concatenate([[0.0], np.cumsum(chords)])[keep]
-    if len(at) < 3:
-        return list(points)
-    places = np.interp(np.linspace(0.0, len(at) - 1.0, _BETWEEN * (len(at) - 1) + 1), np.arange(len(at)), length)
-    inner = PchipInterpolator(length, at)(places[1:-1])
-    return [points[0], *((float(x), float(y)) for x, y in inner), points[-1]]
 
 
 # --- closed form and print ------------------------------------------------------------------
