@@ -40,31 +40,33 @@ _FACES = {
 _PIECES = 4
 
 
-def _triangle() -> tuple[NDArray[Any], NDArray[Any]]:
+def _triangle(per_edge: int) -> tuple[NDArray[Any], NDArray[Any]]:
     """Values of a six-node face's functions at the corners of its flat pieces, and these as triangles."""
-    at = [(i, j) for j in range(_PIECES + 1) for i in range(_PIECES + 1 - j)]
+    at = [(i, j) for j in range(per_edge + 1) for i in range(per_edge + 1 - j)]
     number = {place: k for k, place in enumerate(at)}
-    s, t = np.array(at, dtype=float).T / _PIECES
+    s, t = np.array(at, dtype=float).T / per_edge
     r = 1.0 - s - t
     corners, middles = [x * (2.0 * x - 1.0) for x in (r, s, t)], [4.0 * r * s, 4.0 * s * t, 4.0 * t * r]
-    pieces = [(number[i, j], number[i + 1, j], number[i, j + 1]) for i, j in at if i + j < _PIECES]
-    pieces += [(number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]) for i, j in at if i + j < _PIECES - 1]
+    pieces = [(number[i, j], number[i + 1, j], number[i, j + 1]) for i, j in at if i + j < per_edge]
+    pieces += [(number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]) for i, j in at if i + j < per_edge - 1]
     return np.stack([*corners, *middles], axis=1), np.array(pieces)
 
 
-def _square() -> tuple[NDArray[Any], NDArray[Any]]:
+def _square(per_edge: int) -> tuple[NDArray[Any], NDArray[Any]]:
     """The same of a nine-node face: corners, middles of its edges, centre."""
-    x = np.linspace(-1.0, 1.0, _PIECES + 1)
+    x = np.linspace(-1.0, 1.0, per_edge + 1)
     low, middle, high = 0.5 * x * (x - 1.0), 1.0 - x**2, 0.5 * x * (x + 1.0)
     along = {-1: low, 0: middle, 1: high}
     nodes = ((-1, -1), (1, -1), (1, 1), (-1, 1), (0, -1), (1, 0), (0, 1), (-1, 0), (0, 0))
     values = np.stack([np.outer(along[t], along[s]).ravel() for s, t in nodes], axis=1)
-    first = (np.arange(_PIECES)[:, None] * (_PIECES + 1) + np.arange(_PIECES)).ravel()
-    ends = first[:, None] + np.array([0, 1, _PIECES + 2, _PIECES + 1])
+    first = (np.arange(per_edge)[:, None] * (per_edge + 1) + np.arange(per_edge)).ravel()
+    ends = first[:, None] + np.array([0, 1, per_edge + 2, per_edge + 1])
     return values, np.vstack([ends[:, [0, 1, 2]], ends[:, [0, 2, 3]]])
 
 
-_CURVED = {24: _triangle(), 29: _square()}
+def flat_pieces(face_nodes: int, per_edge: int = _PIECES) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Functions of a face at the corners of its flat pieces, (corners, nodes), and the pieces as triangles."""
+    return {6: _triangle, 9: _square}[face_nodes](per_edge)
 
 
 def body_of(still: Still) -> pyvista.UnstructuredGrid:
@@ -80,22 +82,31 @@ def body_of(still: Still) -> pyvista.UnstructuredGrid:
     return body
 
 
-def surface_of(
-    body: pyvista.UnstructuredGrid, cells: NDArray[np.bool_], field: str = "stretch_max"
-) -> pyvista.PolyData:
-    """Outer faces of some of the cells, curved ones as flat pieces, with one of the fields.
+def outer_faces(
+    body: pyvista.UnstructuredGrid, cells: NDArray[np.bool_]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Outer faces of some of the cells by their nodes, shape (faces, nodes), and the cell of each.
 
     VTK's own surface filter keeps most inner faces of ten-node tetrahedra, fifty times too many.
     """
-    import pyvista
-
     ((kind, nodes),) = body.cells_dict.items()
-    faces = nodes[cells][:, _FACES[kind]].reshape(-1, _FACES[kind].shape[1])
+    of_cell = _FACES[kind]
+    faces = nodes[cells][:, of_cell].reshape(-1, of_cell.shape[1])
     # three corners tell two faces apart, whatever their kind
     names = np.sort(np.sort(faces[:, : 4 if kind == 29 else 3], axis=1)[:, :3], axis=1)
     _, first, count = np.unique(names, axis=0, return_index=True, return_counts=True)
-    outer = faces[first[count == 1]]
-    values, pieces = _CURVED[kind]
+    outer = first[count == 1]
+    return faces[outer].astype(np.int64), np.flatnonzero(cells)[outer // len(of_cell)]
+
+
+def surface_of(
+    body: pyvista.UnstructuredGrid, cells: NDArray[np.bool_], field: str = "stretch_max"
+) -> pyvista.PolyData:
+    """Outer faces of some of the cells, curved ones as flat pieces, with one of the fields."""
+    import pyvista
+
+    outer, _ = outer_faces(body, cells)
+    values, pieces = flat_pieces(outer.shape[1])
     points = (values @ body.points[outer]).reshape(-1, 3)
     triangles = (pieces + len(values) * np.arange(len(outer))[:, None, None]).reshape(-1, 3)
     surface = pyvista.PolyData.from_regular_faces(points, triangles)
