@@ -265,9 +265,10 @@ def _three_pins(mesh: SolidMesh) -> Held:
 def _ring(g: RingGeometry, fine: int, dead: bool) -> Body:
     wall = g.outer_radius_mm - g.inner_radius_mm
     through = cells_through(g.outer_radius_mm / g.inner_radius_mm, 2 * fine)
-    # As thick as a cell is high: in flatter cells false modes that vary along the axis cost next to nothing.
-    meridian = tube_meridian(g.inner_radius_mm, g.outer_radius_mm, wall / through, 1, through, "quadrilaterals")
     angle = math.pi / g.waves
+    # As thick as cells are in the plane: in thicker ones false modes that vary along the axis cost next to nothing.
+    thick = min(wall / through, angle / (6 * fine) * g.inner_radius_mm)
+    meridian = tube_meridian(g.inner_radius_mm, g.outer_radius_mm, thick, 1, through, "quadrilaterals")
     mesh = revolve_hexahedra(meridian, 6 * fine, angle)
     # Components along both planes of symmetry: what crosses the one at angle 0 is the second, at the end the first.
     frame = np.eye(3)

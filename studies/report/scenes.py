@@ -16,7 +16,7 @@ from studies.report import scene_tables
 from studies.report.bar_charts import draw_overview, draw_times
 from studies.report.curves import SIZE_IN, Curve, draw_elongation, elongation_axes, smooth
 from studies.report.labels import TIP, TIP_FORCE, level_label, model_label, ordered, runs_label, split_key
-from studies.report.numbers import duration, is_printed, rounded_up, short_status
+from studies.report.numbers import duration, is_printed, rounded_up, short_status, signed, value_text
 from studies.report.pictures.child import draw_states
 from studies.report.pictures.stills import Still
 from studies.report.scene_report import (
@@ -96,6 +96,7 @@ def _scene(folder: Path, scene: SceneReport) -> dict[str, Any]:
         "name": scene.name,
         "title": scene.title,
         "toml": scene.scene_toml.strip(),
+        "answer": answer(scene),
         "verdict": verdict(scene),
         "what": what.split(" at the tip")[0].capitalize(),
         "unit": unit_of(scene),
@@ -118,6 +119,26 @@ def _scene(folder: Path, scene: SceneReport) -> dict[str, Any]:
         "notes": _notes(scene),
         "files": _files(folder, scene),
     }
+
+
+def answer(scene: SceneReport) -> str:
+    """What came out at the highest pressure, in words: by the best model, beside the closed form; stability."""
+    model = next((m for m in reversed(models_of(scene)) if m in {run.model for run in scene.runs}), "")
+    rows = [row for p in scene.pressures_kpa if (row := headline(scene, model, p)) and math.isfinite(row.value)]
+    if not rows:
+        return "No requested pressure was reached"
+    last = rows[-1]
+    said = (
+        f"At {last.pressure_kpa:g} kPa the {_what(scene)} is {value_text(last)} {unit_of(scene)} ({model_label(model)})"
+    )
+    closed = headline(scene, "closed_form", last.pressure_kpa)
+    if model != "closed_form" and closed and math.isfinite(closed.value) and last.value:
+        said += f"; the closed form is {signed(difference_percent(closed.value, last.value))} % from it"
+    modes = [row for row in scene.rows if row.quantity == "unstable_modes" and row.model == model]
+    unstable = [row.pressure_kpa for row in modes if row.value > 0.0]
+    if unstable:
+        return f"{said}. Unstable at {', '.join(f'{p:g}' for p in unstable)} kPa"
+    return f"{said}. Stable at every pressure that was reached" if modes else said
 
 
 def _what(scene: SceneReport) -> str:

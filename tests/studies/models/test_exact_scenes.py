@@ -178,6 +178,19 @@ def test_cells_of_a_plane_body_have_no_modes_along_its_axis(tmp_path, monkeypatc
     assert finest(rows, "crossing_kpa")[0].reference == pytest.approx(34.96, rel=1e-3)
 
 
+def test_two_coarse_meshes_do_not_promise_where_a_thick_ring_buckles(tmp_path, monkeypatch) -> None:
+    # r1 and r2 are 10 and 5 % below the exact 48950 kPa: order one, as the error of coarse meshes falls at first
+    monkeypatch.setattr("studies.planning.bodies.RING_LEVELS", ("r1", "r2"))
+    path = tmp_path / "thick.toml"
+    law = 'law = "ogden", mu_kpa = 39600.0, alpha = 7.29, convention = "2mu/alpha^2"'
+    text = THICK_RING.replace('law = "guccione", c_kpa = 11.9, b = 4.15', law).replace("3.09", "1.01")
+    path.write_text(text.replace("6.18", "2.02").replace("17.0", "55000.0"), encoding="utf-8")
+    run("solve", path, "--out", tmp_path / "out")
+    rows = [r for r in read_rows(tmp_path / "out" / "rows.csv") if r.quantity == "crossing_kpa"]
+    assert {"r1", "r2"} <= {row.level for row in rows}
+    assert all(abs(row.value - row.reference) < row.uncertainty for row in rows)
+
+
 def test_rivlins_cube_gives_way_at_twice_the_shear_modulus(scene, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr("studies.planning.bodies.BLOCK_LEVELS", ("n2",))
     rows = solved(scene("cube"), tmp_path / "out")
