@@ -36,6 +36,7 @@ from studies.results.run_files import PATH_FILE, SUMMARY_FILE, read_summary, wri
 from studies.results.runs import MERIDIAN_ORDERS, Run, of_model, read_run, run_hash, tip_at, tip_convergence
 from studies.scene.bellows import BellowsScene
 from studies.scene.bodies import BodyScene
+from studies.scene.compare import self_contained
 from studies.scene.load import Scene
 
 # What solves simple bodies is imported with the first of them: with the exact solutions it takes a tenth of a second.
@@ -141,7 +142,8 @@ def run_plan(
     """
     if comm.rank == 0:
         folder.mkdir(parents=True, exist_ok=True)
-        write_text_atomically(folder / SCENE_FILE, scene_text)
+        compare = None if isinstance(scene, BodyScene) else scene.compare
+        write_text_atomically(folder / SCENE_FILE, self_contained(scene_text, compare))
         _drop_others(scene, folder)
     comm.barrier()
     work = (plan, folder, comm, progress)

@@ -47,7 +47,7 @@ class Measurement:
 
 def key_of(attempt: Attempt) -> str:
     """Key of a measurement: the run, its scene, and the code that computes it."""
-    physics = peer_scene().model_dump(mode="json", exclude={"name", "ask"})
+    physics = peer_scene().model_dump(mode="json", exclude={"name", "ask", "compare"})
     run = (physics, attempt.code, attempt.label, attempt.options)
     if attempt.code == OURS:
         return content_key(*run, provenance.code_hash())

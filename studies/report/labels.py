@@ -22,6 +22,7 @@ MODELS: Mapping[str, str] = {
     "paper_closed_form": "paper: closed form",
     "paper_ansys": "paper: ANSYS",
     "paper_experiment": "paper: experiment",
+    "measured": "measured",
 }
 
 # What the report calls a quantity; quantities not named here keep the name of their rows.

@@ -134,6 +134,10 @@ def answer(scene: SceneReport) -> str:
     closed = headline(scene, "closed_form", last.pressure_kpa)
     if model != "closed_form" and closed and math.isfinite(closed.value) and last.value:
         said += f"; the closed form is {signed(difference_percent(closed.value, last.value))} % from it"
+    test = headline(scene, "measured", last.pressure_kpa)
+    if test and test.value:
+        share = signed(difference_percent(last.value, test.value))
+        said += f"; measured were {value_text(test)} {unit_of(scene)}, from which it is {share} %"
     modes = [row for row in scene.rows if row.quantity == "unstable_modes" and row.model == model]
     unstable = [row.pressure_kpa for row in modes if row.value > 0.0]
     if unstable:
@@ -168,7 +172,7 @@ def _curves(scene: SceneReport) -> list[Curve]:
         path = [(state.pressure_kpa, state.tip_force_n if force else state.tip_mm) for state in states]
         if model == "axisymmetric" and path:
             points, bars = smooth(path if loaded else _from_rest(path)), []
-        elif not model.startswith("paper_") and model != "full3d":
+        elif not model.startswith("paper_") and model not in ("full3d", "measured"):
             points, bars = _from_rest(points), []
         stop = next((row.status for row in rows if not is_reached(row)), "")
         end = (path or _from_rest(points))[-1]

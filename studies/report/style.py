@@ -41,6 +41,7 @@ _STYLES: dict[str, dict[str, Any]] = {
     "paper_closed_form": {"color": ORANGE, "linestyle": "none", "marker": "P"},
     "paper_ansys": {"color": PURPLE, "linestyle": "none", "marker": "D"},
     "paper_experiment": {"color": BLACK, "linestyle": "none", "marker": "*"},
+    "measured": {"color": BLACK, "linestyle": "none", "marker": "o"},
 }
 
 OTHERS = (

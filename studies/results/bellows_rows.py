@@ -105,6 +105,11 @@ def _rows_at(scene: BellowsScene, quantity: TipQuantity, pressure: float, runs: 
         add("paper_closed_form", 10.0 * printed.closed_form_cm)
         add("paper_ansys", 10.0 * printed.ansys_cm)
         add("paper_experiment", 10.0 * printed.experiment_cm)
+    if scene.compare is not None:
+        measured = scene.compare.measured(quantity, pressure)
+        if measured:
+            spread = 0.5 * (max(measured) - min(measured)) if len(measured) > 1 else math.nan
+            add("measured", sum(measured) / len(measured), uncertainty=spread)
     if quantity == scene.main_quantity and solid and solid.value and flat:
         gap = 100.0 * abs(flat.value - solid.value) / abs(solid.value)
         rows.append(row(scene.name, "axisymmetric_full3d_gap_percent", "%", pressure, "axisymmetric", gap, flat.level))

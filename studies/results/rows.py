@@ -33,7 +33,7 @@ class Row:
     model
         ``closed_form``, ``closed_form_printed``, ``closed_form_balanced``, ``closed_form_seat``,
         ``closed_form_outline``, ``axisymmetric``, ``sector``, ``full3d``, ``paper_…`` for printed values, ``material``
-        for laws, ``exact`` for exact solutions.
+        for laws, ``exact`` for exact solutions, ``measured`` for the scene's own measured values.
     level
         Mesh or variant within the model, for instance ``r4`` or ``n24``, or ``extrapolated``: what its meshes lead to;
         empty if there is one only.
@@ -41,7 +41,7 @@ class Row:
         The number; NaN if it was not reached.
     uncertainty
         Discretisation uncertainty in the same unit; NaN where the model has none (closed form, print) or no mesh tells
-        it.
+        it. Of values that were measured more than once half their range.
     reference, source
         The value it is compared with and where that comes from; NaN and empty if it is compared with nothing.
     error_percent

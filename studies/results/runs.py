@@ -90,7 +90,7 @@ def run_hash(scene: Scene, model: str, level: str) -> str:
             physics["geometry"]["file"] = hashlib.sha256(content).hexdigest()
     else:
         known = on_meridian(scene) if model == "axisymmetric" else scene
-        physics = known.model_dump(mode="json", exclude={"name", "ask"})
+        physics = known.model_dump(mode="json", exclude={"name", "ask", "compare"})
     text = json.dumps([physics, model, level, provenance.code_hash()], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
 

@@ -15,6 +15,7 @@ from meshes.by_gmsh.ring import RingShape
 from meshes.errors import GeometryError
 from meshes.shape import BellowsShape
 from studies.scene.bellows_geometry import ZIGZAG_SEAT_MM, Geometry
+from studies.scene.compare import PRESSURE, Compare, pressures_with
 from studies.scene.elements import BellowsMesh, element_faults
 from studies.scene.materials import (
     NeoHookeMaterial,
@@ -154,6 +155,19 @@ class BellowsScene(Section):
     load: Load
     contact: Contact = Contact()
     ask: Ask = Ask()
+    compare: Compare | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _measured_pressures(cls, data: Any) -> Any:
+        """What was measured is solved for."""
+        compare, load = (data.get(key) for key in ("compare", "load")) if isinstance(data, dict) else (None, None)
+        if not (isinstance(compare, dict) and isinstance(compare.get(PRESSURE), list)):
+            return data
+        load = {} if load is None else load
+        if not isinstance(load, dict):
+            return data
+        return {**data, "load": {**load, PRESSURE: pressures_with(compare[PRESSURE], load.get(PRESSURE))}}
 
     @model_validator(mode="before")
     @classmethod
@@ -314,6 +328,11 @@ def bellows_faults(scene: BellowsScene) -> list[str]:
     if rings.bond == "adhesive" and rings.bond_grading_mm > 0.5 * rings.seat_mm:
         faults.append(
             f"rings.bond_grading_mm = {rings.bond_grading_mm:g}: must be at most half of seat_mm = {rings.seat_mm:g}"
+        )
+    if scene.compare is not None and getattr(scene.compare, scene.main_quantity) is None:
+        faults.append(
+            f"compare: has no {scene.main_quantity}, which is what this scene finds: a free tip is compared by tip_mm, "
+            "a blocked one by tip_force_n"
         )
     faults += _tip_faults(scene)
     faults += _core_faults(scene)

@@ -7,6 +7,7 @@ from typing import Any
 
 from studies.scene.bellows import BellowsScene, bellows_faults
 from studies.scene.bodies import KINDS, BodyScene, body_faults
+from studies.scene.compare import with_measured
 from studies.scene.sections import SceneError, read_toml, validated
 
 Scene = BellowsScene | BodyScene
@@ -33,7 +34,7 @@ def scene_from(data: dict[str, Any], path: Path) -> Scene:
     """
     kind = _kind(data)
     if kind == "bellows" or kind is None:  # a missing kind is told as the missing key it is
-        return validated(BellowsScene, data, path, bellows_faults)
+        return validated(BellowsScene, _measured(data, path), path, bellows_faults)
     if kind not in KINDS:
         allowed = ", ".join(repr(name) for name in ("bellows", *KINDS))
         raise SceneError(f"{path}: geometry.kind = {kind!r}: allowed: {allowed}")
@@ -48,7 +49,7 @@ def load_bellows(path: Path) -> BellowsScene:
     SceneError
         As from `load_scene`.
     """
-    return validated(BellowsScene, read_toml(path), path, bellows_faults)
+    return validated(BellowsScene, _measured(read_toml(path), path), path, bellows_faults)
 
 
 def kept_scene(path: Path) -> Scene:
@@ -63,6 +64,13 @@ def kept_scene(path: Path) -> Scene:
     if _kind(data) in KINDS:
         return validated(BodyScene, data, path)
     return validated(BellowsScene, data, path)
+
+
+def _measured(data: dict[str, Any], path: Path) -> dict[str, Any]:
+    try:
+        return with_measured(data, path.resolve().parent)
+    except SceneError as error:
+        raise SceneError(f"{path}: {error}") from None
 
 
 def _kind(data: dict[str, Any]) -> Any:
