@@ -17,9 +17,13 @@ from numpy.typing import ArrayLike
 
 from analytical.arrays import FloatArray
 from analytical.laws.errors import MaterialError, require_finite, require_positive
+from analytical.laws.of_invariants import ArrudaBoyce, Gent, MooneyRivlin
 
 OgdenConvention = Literal["2mu/alpha^2", "mu/alpha"]
 OGDEN_CONVENTIONS: Final[tuple[OgdenConvention, ...]] = get_args(OgdenConvention)
+
+# Terms of a polynomial law; a fit of more has no digits left in it.
+MOST_TERMS: Final = 8
 
 
 class IsotropicLaw(Protocol):
@@ -83,20 +87,20 @@ class NeoHooke:
 
 @dataclass(frozen=True)
 class Yeoh:
-    """Yeoh, W = sum_i C_i (I1 - 3)^i, one to three terms (eq. (2), DOI 10.3390/biomimetics9030160).
+    """Yeoh, W = sum_i C_i (I1 - 3)^i, of three terms as a rule (eq. (2), DOI 10.3390/biomimetics9030160).
 
     Parameters
     ----------
     c_mpa
-        Coefficients C_1, C_2, C_3, MPa. The first must be positive; the others may be negative, in which
+        Coefficients C_1, C_2, C_3, …, MPa. The first must be positive; the others may be negative, in which
         case `check_stability` decides over the stretches that will be used.
     """
 
     c_mpa: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        if not 1 <= len(self.c_mpa) <= 3:
-            raise MaterialError(f"Yeoh c_mpa has {len(self.c_mpa)} coefficients: give one to three, in MPa")
+        if not 1 <= len(self.c_mpa) <= MOST_TERMS:
+            raise MaterialError(f"Yeoh c_mpa has {len(self.c_mpa)} coefficients: give one to {MOST_TERMS}, in MPa")
         for number, value in enumerate(self.c_mpa, start=1):
             require_finite(f"Yeoh c_mpa C{number}", value)
         require_positive("Yeoh c_mpa C1", self.c_mpa[0], "it is half the initial shear modulus, in MPa")
@@ -248,7 +252,7 @@ class Guccione:
         return np.asarray(self.b * sum(strain**2 for strain in strains))
 
 
-Law = NeoHooke | Yeoh | Ogden | Guccione
+Law = NeoHooke | Yeoh | Ogden | Guccione | MooneyRivlin | Gent | ArrudaBoyce
 
 
 def hessian_of_i1_law(

@@ -117,13 +117,15 @@ class Curve:
             l2 = np.einsum("ni,ni->n", c1, c1)
             fall = np.einsum("ni,ni->n", v, c1)
             stiff = l2 - np.einsum("ni,ni->n", v, c2)
-            step = fall / np.where(stiff > 0.3 * l2, stiff, l2)
+            with np.errstate(invalid="ignore", divide="ignore"):  # a line crushed to a point has no tangent
+                step = fall / np.where(stiff > 0.3 * l2, stiff, l2)
             new = np.clip(at + np.clip(step, -0.7, 0.7), 0.0, self.count - 1.0)
             if np.abs(new - at).max(initial=0.0) < 1e-11:
                 break
             at = new
         length = np.sqrt(l2)
-        tau = c1 / length[:, None]
+        with np.errstate(invalid="ignore", divide="ignore"):  # and nothing is found near it: NaN is not above 0
+            tau = c1 / length[:, None]
         normal = self.side * np.column_stack([-tau[:, 1], tau[:, 0]])
         gap = np.einsum("ni,ni->n", v, normal)
         k = np.einsum("ni,ni->n", normal, c2)

@@ -16,12 +16,12 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from analytical.laws.isotropic import Guccione, NeoHooke, Ogden, Yeoh
+from analytical.laws.isotropic import Guccione, Law, NeoHooke, Ogden, Yeoh
+from analytical.laws.of_invariants import ArrudaBoyce, Gent, MooneyRivlin
 from solvers.energy.ogden import FIT_RANGE, power_trace, trace_derivatives
 from solvers.errors import SolverError
 
 Derivatives = dict[tuple[int, int], Any]
-Law = NeoHooke | Yeoh | Ogden | Guccione
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,8 @@ def compile_law(law: Law, mesh: Any) -> CompiledLaw:
         Neo-Hooke ``W = mu/2 (I1 - 3)``; Yeoh ``W = sum C_i (I1 - 3)^i``, initial shear modulus 2 C1; Ogden
         ``W = prefactor (sum lambda_i^alpha - 3)`` with prefactor 2 mu/alpha^2 (initial shear modulus mu) or
         mu/alpha (initial shear modulus mu alpha/2) by its named convention; Guccione, isotropic,
-        ``W = C/2 (exp(b E:E) - 1)``, initial shear modulus b C/2. MPa.
+        ``W = C/2 (exp(b E:E) - 1)``, initial shear modulus b C/2; Mooney-Rivlin, Gent, Arruda-Boyce
+        (`analytical.laws.of_invariants`). MPa.
     mesh
         dolfinx mesh that owns the constants.
 
@@ -67,7 +68,7 @@ def compile_law(law: Law, mesh: Any) -> CompiledLaw:
     SolverError
         For a law this solver does not know.
     """
-    raise SolverError(f"no finite-element form for the law {type(law).__name__}; use NeoHooke, Yeoh, Ogden or Guccione")
+    raise SolverError(f"no finite-element form for the law {type(law).__name__}: register one with compile_law")
 
 
 @compile_law.register
@@ -78,6 +79,46 @@ def _(law: NeoHooke, mesh: Any) -> CompiledLaw:
 @compile_law.register
 def _(law: Yeoh, mesh: Any) -> CompiledLaw:
     return _polynomial(tuple(law.c_mpa), mesh)
+
+
+@compile_law.register
+def _(law: ArrudaBoyce, mesh: Any) -> CompiledLaw:
+    return _polynomial(law.c_mpa, mesh)
+
+
+@compile_law.register
+def _(law: Gent, mesh: Any) -> CompiledLaw:
+    """``W = -mu J/2 ln(1 - (I1 - 3)/J)``."""
+    mu, limit = fem.Constant(mesh, float(law.mu_mpa)), fem.Constant(mesh, float(law.limit))
+
+    @cache
+    def derivatives(i1: Any, i2: Any) -> Derivatives:
+        left = 1.0 - (i1 - 3.0) / limit
+        w1 = 0.5 * mu / left
+        none = {(0, 1): 0.0, (1, 1): 0.0, (0, 2): 0.0}
+        return {(0, 0): -0.5 * mu * limit * ufl.ln(left), (1, 0): w1, (2, 0): w1 / (limit * left), **none}
+
+    return CompiledLaw(derivatives, False, (3.0 + law.limit, np.inf))
+
+
+@compile_law.register
+def _(law: MooneyRivlin, mesh: Any) -> CompiledLaw:
+    """``W = C10 x + C01 y + C11 x y + C20 x^2 + C02 y^2``, x = I1 - 3, y = I2 - 3; one compilation for any of them."""
+    c10, c01, c11, c20, c02 = fem.Constant(mesh, np.asarray(law.constants_mpa, dtype=np.float64))
+
+    @cache
+    def derivatives(i1: Any, i2: Any) -> Derivatives:
+        x, y = i1 - 3.0, i2 - 3.0
+        return {
+            (0, 0): (c10 + c11 * y + c20 * x) * x + (c01 + c02 * y) * y,
+            (1, 0): c10 + c11 * y + 2.0 * c20 * x,
+            (0, 1): c01 + c11 * x + 2.0 * c02 * y,
+            (2, 0): 2.0 * c20,
+            (1, 1): c11,
+            (0, 2): 2.0 * c02,
+        }
+
+    return CompiledLaw(derivatives, True, (np.inf, np.inf))
 
 
 def _polynomial(coefficients: tuple[float, ...], mesh: Any) -> CompiledLaw:

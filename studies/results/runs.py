@@ -13,7 +13,15 @@ from studies.planning.levels import fineness
 from studies.results import provenance
 from studies.results.rows import AFTER_SNAP, REACHED, Row, row
 from studies.results.run_files import PathRow, RunSummary, read_path, read_summary, write_text_atomically
-from studies.results.uncertainty import EDGE_ORDER, UNKNOWN, Convergence, Orders, convergence, share_left
+from studies.results.uncertainty import (
+    EDGE_ORDER,
+    SAFETY_IN_DOUBT,
+    UNKNOWN,
+    Convergence,
+    Orders,
+    convergence,
+    share_left,
+)
 from studies.scene.bellows import TipQuantity, on_meridian
 from studies.scene.bodies import BodyScene
 from studies.scene.body_geometry import MeshGeometry
@@ -183,9 +191,17 @@ def tip_convergence(
     Meshes may agree by accident where their tips cross on the way. So at a pressure the uncertainty is at least what
     the largest relative change from the first mesh to the last, over all pressures that both reached, tells of an edge:
     of two meshes all of that change, of three the share of it that would be left.
+
+    States of which one is unstable and another is not (a crease at an edge, seen by the finest mesh alone) lead to no
+    limit: the uncertainty is three times their range at least.
     """
     tips = [tip_at(run, pressure_kpa, quantity) for run in runs]
     reached = [run for run, tip in zip(runs, tips, strict=True) if not math.isnan(tip)][-3:]
+    counts = {state.unstable_modes for run in reached if (state := run.at(pressure_kpa)) is not None}
+    if len({count for count in counts if math.isfinite(count)}) > 1:
+        values = [tip_at(run, pressure_kpa, quantity) for run in reached]
+        found = run_convergence(runs, tips, orders)
+        return replace(found, least=SAFETY_IN_DOUBT * (max(values) - min(values)), of_limit=math.nan)
     if len(reached) == 1 and quantity == "tip_mm":
         return _of_one(reached[0], pressure_kpa)
     if len(reached) < 2 or (len(reached) == 3 and orders.edge is None):

@@ -18,9 +18,7 @@ from studies.scene.bellows_geometry import ZIGZAG_SEAT_MM, Geometry
 from studies.scene.compare import PRESSURE, Compare, pressures_with
 from studies.scene.elements import BellowsMesh, element_faults
 from studies.scene.materials import (
-    NeoHookeMaterial,
-    OgdenMaterial,
-    YeohMaterial,
+    Elastomer,
     describe_material,
     material_faults,
     small_load_faults,
@@ -151,7 +149,7 @@ class BellowsScene(Section):
     geometry: Geometry
     rings: Rings = Rings()
     mesh: BellowsMesh = BellowsMesh()
-    material: Annotated[YeohMaterial | OgdenMaterial | NeoHookeMaterial, Field(discriminator="law")]
+    material: Elastomer
     load: Load
     contact: Contact = Contact()
     ask: Ask = Ask()

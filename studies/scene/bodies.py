@@ -35,15 +35,7 @@ from studies.scene.body_geometry import (
     VentricleGeometry,
 )
 from studies.scene.elements import Mesh, element_faults
-from studies.scene.materials import (
-    GuccioneMaterial,
-    NeoHookeMaterial,
-    OgdenMaterial,
-    YeohMaterial,
-    describe_material,
-    material_faults,
-    small_load_faults,
-)
+from studies.scene.materials import AnyMaterial, describe_material, material_faults, small_load_faults
 from studies.scene.sections import (
     APART,
     LARGEST_VOLUME,
@@ -161,7 +153,7 @@ LOADS = {
 }
 
 
-AnyMaterial = Annotated[YeohMaterial | OgdenMaterial | NeoHookeMaterial | GuccioneMaterial, Field(discriminator="law")]
+BodyMaterial = Annotated[AnyMaterial, Field(discriminator="law")]
 
 
 class BodyScene(Section):
@@ -174,8 +166,8 @@ class BodyScene(Section):
     name: SceneName
     geometry: Annotated[Geometry, Field(discriminator="kind")]
     mesh: Mesh = Mesh()
-    material: AnyMaterial
-    materials: dict[str, AnyMaterial] = {}
+    material: BodyMaterial
+    materials: dict[str, BodyMaterial] = {}
     load: BodyLoad
     ask: BodyAsk = BodyAsk()
 

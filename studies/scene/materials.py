@@ -9,7 +9,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from analytical.laws.errors import MaterialError
-from analytical.laws.isotropic import Guccione, Law, NeoHooke, Ogden, Yeoh
+from analytical.laws.isotropic import MOST_TERMS, Guccione, Law, NeoHooke, Ogden, Yeoh
+from analytical.laws.of_invariants import ArrudaBoyce, Gent, MooneyRivlin
 from studies.scene.sections import Modulus, Section
 
 SignedModulus = Annotated[float, Field(ge=-1e5, le=1e5, allow_inf_nan=False)]
@@ -36,7 +37,7 @@ class YeohMaterial(Material):
     """W = sum C_i (I1 - 3)^i; initial shear modulus 2 C1."""
 
     law: Literal["yeoh"]
-    c_kpa: Annotated[list[float], Field(min_length=1, max_length=3)] = Field(description="C_1, C_2, C_3")
+    c_kpa: Annotated[list[float], Field(min_length=1, max_length=MOST_TERMS)] = Field(description="C_1, C_2, C_3, …")
 
 
 class OgdenMaterial(Material):
@@ -68,7 +69,49 @@ class GuccioneMaterial(Material):
     b: Annotated[float, Field(gt=0.0, le=100.0)] = Field(default=1.0, description="factor of the squared strain")
 
 
-AnyMaterial = YeohMaterial | OgdenMaterial | NeoHookeMaterial | GuccioneMaterial
+class MooneyRivlinMaterial(Material):
+    """W = C10 x + C01 y + C11 x y + C20 x² + C02 y², x = I1 - 3, y = I2 - 3; initial shear modulus 2 (C10 + C01)."""
+
+    law: Literal["mooney-rivlin"]
+    c_kpa: Annotated[list[SignedModulus], Field(min_length=2, max_length=5)] = Field(
+        description="C10, C01; or C10, C01, C11; or C10, C01, C11, C20, C02"
+    )
+
+
+class GentMaterial(Material):
+    """W = -mu J/2 ln(1 - (I1 - 3)/J), J the limit; initial shear modulus mu."""
+
+    law: Literal["gent"]
+    mu_kpa: Modulus = Field(description="initial shear modulus")
+    limit: Annotated[float, Field(gt=0.0, le=1e6)] = Field(
+        description="J, largest I1 - 3, where chains are at their end"
+    )
+
+
+class ArrudaBoyceMaterial(Material):
+    """Five terms of the eight-chain model; initial shear modulus mu (1 + 3/(5 L²) + …), L the stretch limit."""
+
+    law: Literal["arruda-boyce"]
+    mu_kpa: Modulus = Field(description="mu, a little less than the initial shear modulus")
+    stretch_limit: Annotated[float, Field(gt=1.0, le=1e3)] = Field(
+        description="L, stretch at which chains are at their end"
+    )
+
+
+# What silicones are cast of, and with the law of a published problem.
+Elastomer = Annotated[
+    YeohMaterial | OgdenMaterial | NeoHookeMaterial | MooneyRivlinMaterial | GentMaterial | ArrudaBoyceMaterial,
+    Field(discriminator="law"),
+]
+AnyMaterial = (
+    YeohMaterial
+    | OgdenMaterial
+    | NeoHookeMaterial
+    | MooneyRivlinMaterial
+    | GentMaterial
+    | ArrudaBoyceMaterial
+    | GuccioneMaterial
+)
 
 # Of the modulus: a sphere under 1e-11 of it came out 26 % off, under 1e-8 within 1e-5.
 SMALLEST_LOAD = 1e-6
@@ -83,6 +126,12 @@ def describe_material(material: AnyMaterial) -> str:
         return f"Ogden mu = {material.mu_kpa:g} kPa, alpha = {material.alpha:g}, {material.convention} ({mu})"
     if isinstance(material, GuccioneMaterial):
         return f"Guccione C = {material.c_kpa:g} kPa, b = {material.b:g} ({mu})"
+    if isinstance(material, MooneyRivlinMaterial):
+        return f"Mooney-Rivlin C = {', '.join(f'{c:g}' for c in material.c_kpa)} kPa ({mu})"
+    if isinstance(material, GentMaterial):
+        return f"Gent J = {material.limit:g} ({mu})"
+    if isinstance(material, ArrudaBoyceMaterial):
+        return f"Arruda-Boyce mu = {material.mu_kpa:g} kPa, stretch limit {material.stretch_limit:g} ({mu})"
     return f"neo-Hooke ({mu})"
 
 
@@ -94,6 +143,12 @@ def law_of(material: AnyMaterial) -> Law:
         return Ogden(1e-3 * material.mu_kpa, material.alpha, material.convention)
     if isinstance(material, GuccioneMaterial):
         return Guccione(1e-3 * material.c_kpa, material.b)
+    if isinstance(material, MooneyRivlinMaterial):
+        return MooneyRivlin(tuple(1e-3 * c for c in material.c_kpa))
+    if isinstance(material, GentMaterial):
+        return Gent(1e-3 * material.mu_kpa, material.limit)
+    if isinstance(material, ArrudaBoyceMaterial):
+        return ArrudaBoyce(1e-3 * material.mu_kpa, material.stretch_limit)
     return NeoHooke(1e-3 * material.mu_kpa)
 
 

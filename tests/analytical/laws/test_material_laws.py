@@ -11,6 +11,7 @@ import pytest
 
 from analytical.laws.errors import MaterialError
 from analytical.laws.isotropic import Law, NeoHooke, Ogden, Yeoh
+from analytical.laws.of_invariants import ArrudaBoyce, Gent, MooneyRivlin
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from analytical.laws.stability import check_stability
 from analytical.laws.stiff import PLA, POLYETHYLENE, StiffSolid
@@ -23,6 +24,11 @@ LAWS: tuple[Law, ...] = (
     dragon_skin_30("2mu/alpha^2"),
     dragon_skin_30("mu/alpha"),
     Ogden(-0.1, -3.0, "mu/alpha"),
+    MooneyRivlin((0.08, 0.02)),
+    MooneyRivlin((0.08, 0.02, 0.001)),
+    MooneyRivlin((0.08, -0.01, 0.003, -0.0005, 0.0002)),
+    Gent(0.1, 40.0),
+    ArrudaBoyce(0.1, 3.0),
 )
 # Softens although its dW/dI1 = 36 - 6 x + 0.3 x^2 kPa, x = I1 - 3, has no root.
 SOFTENING = Yeoh((0.036, -0.003, 0.0001))
@@ -169,7 +175,7 @@ def test_other_bad_numbers_are_refused() -> None:
     with pytest.raises(MaterialError, match="coefficients"):
         Yeoh(())
     with pytest.raises(MaterialError, match="coefficients"):
-        Yeoh((0.1, 0.1, 0.1, 0.1))
+        Yeoh((0.1,) * 9)
     with pytest.raises(MaterialError, match="C3"):
         Yeoh((0.1, 0.1, math.nan))
     with pytest.raises(MaterialError, match="alpha = 0"):
@@ -189,3 +195,40 @@ def test_stiff_solid_moduli_agree(solid: StiffSolid) -> None:
     assert 9.0 * kappa * mu / (3.0 * kappa + mu) == pytest.approx(solid.young_mpa, rel=1e-14)
     lame = solid.lame_lambda_mpa
     assert lame / (2.0 * (lame + mu)) == pytest.approx(solid.poisson, rel=1e-13)
+
+
+def test_laws_of_the_invariants_tend_to_neo_hooke() -> None:
+    at = stretches(5)
+    for law in (MooneyRivlin((0.05, 0.0)), Gent(0.1, 1e9), ArrudaBoyce(0.1, 1e5)):
+        # Gent and Arruda-Boyce differ by (I1 - 3)/limit, about 1e-8 and 1e-10
+        assert law.energy(*at) == pytest.approx(NeoHooke(0.1).energy(*at), rel=1e-7)
+
+
+def test_initial_moduli_of_laws_of_the_invariants() -> None:
+    assert MooneyRivlin((0.08, 0.02, 0.3)).initial_shear_modulus_mpa == pytest.approx(0.2, rel=1e-14)
+    assert Gent(0.1, 40.0).initial_shear_modulus_mpa == pytest.approx(0.1, rel=1e-14)
+    limit = 3.0
+    series = 3 / (5 * limit**2) + 99 / (175 * limit**4) + 513 / (875 * limit**6) + 42039 / (67375 * limit**8)
+    assert ArrudaBoyce(0.1, limit).initial_shear_modulus_mpa == pytest.approx(0.1 * (1.0 + series), rel=1e-14)
+
+
+def test_a_second_invariant_that_stiffens_under_compression() -> None:
+    # of equal moduli Mooney-Rivlin is softer in uniaxial extension: 2 (C10 + C01/l) (l^2 - 1/l) of Cauchy stress
+    law, stretch = MooneyRivlin((0.04, 0.01)), 2.0
+    stress = float(law.stress_difference(stretch, stretch**-0.5, stretch**-0.5))
+    assert stress == pytest.approx(2.0 * (0.04 + 0.01 / stretch) * (stretch**2 - 1.0 / stretch), rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: MooneyRivlin((0.1,)), "has 1 constants: give C10, C01"),
+        (lambda: MooneyRivlin((0.1, -0.2)), "C10 \\+ C01"),
+        (lambda: Gent(0.1, 0.0), "Gent limit"),
+        (lambda: ArrudaBoyce(0.1, 1.0), "must be above 1"),
+        (lambda: Yeoh((0.1,) * 9), "give one to 8"),
+    ],
+)
+def test_constants_that_cannot_be_are_refused(make: Any, said: str) -> None:
+    with pytest.raises(MaterialError, match=said):
+        make()

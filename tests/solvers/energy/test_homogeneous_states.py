@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from analytical.laws.isotropic import Law, NeoHooke
+from analytical.laws.of_invariants import ArrudaBoyce, Gent, MooneyRivlin
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from meshes.cells import TETRAHEDRON_EDGES
 from meshes.quality import jacobians, region_volumes_mm3
@@ -21,6 +22,9 @@ LAWS: dict[str, Law] = {
     "yeoh": DRAGON_SKIN_10,
     "ogden, 2mu/alpha^2": dragon_skin_30("2mu/alpha^2"),
     "ogden, mu/alpha": dragon_skin_30("mu/alpha"),
+    "mooney-rivlin": MooneyRivlin((0.05, 0.02, 0.001, 0.0005, 0.0002)),
+    "gent": Gent(0.1, 40.0),
+    "arruda-boyce": ArrudaBoyce(0.1, 3.0),
 }
 every_law = pytest.mark.parametrize("name", LAWS)
 # Yeoh is exact but for round-off; Ogden's rational form is asked for 1e-8.

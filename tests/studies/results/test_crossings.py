@@ -12,7 +12,7 @@ import pytest
 from studies.results.body_rows import body_rows
 from studies.results.rows import Row
 from studies.results.run_files import PathRow
-from studies.results.runs import Run
+from studies.results.runs import MERIDIAN_ORDERS, Run, tip_convergence
 from studies.scene.bodies import BodyScene
 from studies.scene.load import load_scene
 
@@ -54,3 +54,18 @@ def test_a_crossing_that_one_of_two_meshes_reached_alone_is_not_certain(root: Pa
 @pytest.mark.parametrize("level", ["r1", "r2"])
 def test_none_is_told_with_how_far_it_was_looked_for(root: Path, level: str) -> None:
     assert crossing(root, run_of(level, NAN)).status == "none up to 0.5 kPa"
+
+
+def test_states_of_other_stability_lead_to_no_limit() -> None:
+    def run_at(level: str, tip_mm: float, modes: int) -> Run:
+        state = PathRow(1.0, "", tip_mm, NAN, 0.0, NAN, NAN, NAN, NAN, NAN, modes, "", 0, 0.0, "requested", NAN)
+        return Run(SimpleNamespace(model="axisymmetric", level=level), (state,))  # type: ignore[arg-type]
+
+    tips = (("r1", 20.1258), ("r2", 20.0969), ("r4", 20.0863))
+    alike = tip_convergence([run_at(*tip, 0) for tip in tips], 1.0, MERIDIAN_ORDERS)
+    assert alike.of_limit < 0.02
+    # the finest mesh sees a crease; quadrilaterals and triangles then differed by five times their uncertainties
+    runs = [run_at(*tip, int(tip[0] == "r4")) for tip in tips]
+    other = tip_convergence(runs, 1.0, MERIDIAN_ORDERS)
+    assert math.isnan(other.of_limit)
+    assert other.uncertainty(20.0863) >= 3.0 * (20.1258 - 20.0863) * (1.0 - 1e-12)
