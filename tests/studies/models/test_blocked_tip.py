@@ -85,7 +85,7 @@ def test_report_of_a_blocked_scene_is_about_the_force(whole) -> None:
     text = (out / "report.md").read_text(encoding="utf-8")
     assert "### Force at the blocked tip by pressure and model" in text
     assert f"| {row.tip_force_n:.3f} ± " in text and "### Elongation" not in text
-    assert "Verdict: axisymmetric within" in text
+    assert "Models beside each other: axisymmetric within" in text
     assert "extension_force_n" in text  # a buckling wall's, said in a note
 
 

@@ -160,8 +160,7 @@ def test_stopped_rows_are_shown_with_their_reason(tmp_path: Path) -> None:
     assert "full 3D, 8 cells round and 16 cells round, asked for 20 kPa: stopped at 12.3 kPa" in text
     assert "(a &lt; b | c)" in page.replace("\\|", "|")
     assert "## Summary" not in text and "at 1 of 2 pressures" in text  # one scene is its own summary
-    text, _ = report(tmp_path, scene, replace(scene, name="another"))
-    line, _ = table(text, "## Summary")
+    line, _ = table(report(tmp_path, scene, replace(scene, name="another"))[0], "## Summary")
     assert line["full 3D"] == "stopped at 12.3 kPa"
     assert line["status"] == "full 3D, 8 cells round and 16 cells round stopped at 12.3 kPa"
     assert "at 1 of 2 pressures" in line["verdict"]
