@@ -199,6 +199,67 @@ class Ogden:
 
 
 @dataclass(frozen=True)
+class OgdenSeries:
+    """Ogden with several terms, W = sum_i k_i (l1^alpha_i + l2^alpha_i + l3^alpha_i - 3), of any signs.
+
+    Parameters
+    ----------
+    mu_mpa, alpha
+        Parameters mu_i, MPa, and exponents, as many of each.
+    convention
+        What mu_i is: as of `Ogden`. Initial shear modulus: sum of mu_i ("2mu/alpha^2"), or half the sum of mu_i alpha_i
+        ("mu/alpha"); it must be positive.
+    """
+
+    mu_mpa: tuple[float, ...]
+    alpha: tuple[float, ...]
+    convention: OgdenConvention
+
+    def __post_init__(self) -> None:
+        if not 1 <= len(self.mu_mpa) == len(self.alpha) <= MOST_TERMS:
+            raise MaterialError(
+                f"Ogden mu_mpa has {len(self.mu_mpa)} numbers, alpha {len(self.alpha)}: give as many of each, at most "
+                f"{MOST_TERMS}"
+            )
+        for mu, alpha in zip(self.mu_mpa, self.alpha, strict=True):
+            require_finite("Ogden mu_mpa", mu)
+            require_finite("Ogden alpha", alpha)
+            if alpha == 0.0:
+                raise MaterialError("Ogden alpha = 0 leaves no energy: leave the term out")
+        modulus = self.initial_shear_modulus_mpa
+        require_positive(
+            "initial shear modulus of Ogden's terms", modulus, "it is the sum of theirs, by the convention"
+        )
+
+    @property
+    def prefactors_mpa(self) -> tuple[float, ...]:
+        """Factors k_i, MPa."""
+        pairs = zip(self.mu_mpa, self.alpha, strict=True)
+        return tuple(2.0 * mu / a**2 if self.convention == "2mu/alpha^2" else mu / a for mu, a in pairs)
+
+    @property
+    def initial_shear_modulus_mpa(self) -> float:
+        """Initial shear modulus, MPa: sum of k_i alpha_i^2 / 2."""
+        return 0.5 * sum(k * a**2 for k, a in zip(self.prefactors_mpa, self.alpha, strict=True))
+
+    def energy(self, l1: ArrayLike, l2: ArrayLike, l3: ArrayLike) -> FloatArray:
+        """Strain energy density at the principal stretches, MPa (mJ/mm3); arrays broadcast."""
+        terms = zip(self.prefactors_mpa, self.alpha, strict=True)
+        return np.asarray(sum(k * (sum(np.asarray(s) ** a for s in (l1, l2, l3)) - 3.0) for k, a in terms))
+
+    def stress_difference(self, la: ArrayLike, lb: ArrayLike, lc: ArrayLike) -> FloatArray:
+        """Cauchy sigma_a - sigma_b = sum k_i alpha_i (la^alpha_i - lb^alpha_i), MPa; arrays broadcast (lc unused)."""
+        la, lb, _ = np.broadcast_arrays(la, lb, lc)
+        return np.asarray(sum(k * a * (la**a - lb**a) for k, a in zip(self.prefactors_mpa, self.alpha, strict=True)))
+
+    def log_hessian_mpa(self, l1: ArrayLike, l2: ArrayLike, l3: ArrayLike) -> FloatArray:
+        """Second derivatives of W with respect to the log stretches, MPa, shape (..., 3, 3)."""
+        stretches = np.stack(np.broadcast_arrays(l1, l2, l3), axis=-1)
+        diagonal = sum(k * a**2 * stretches**a for k, a in zip(self.prefactors_mpa, self.alpha, strict=True))
+        return np.asarray(np.asarray(diagonal)[..., :, None] * np.eye(3))
+
+
+@dataclass(frozen=True)
 class Guccione:
     """Isotropic exponential law, W = C/2 (exp(b E:E) - 1) with the Green strain E.
 
@@ -252,7 +313,7 @@ class Guccione:
         return np.asarray(self.b * sum(strain**2 for strain in strains))
 
 
-Law = NeoHooke | Yeoh | Ogden | Guccione | MooneyRivlin | Gent | ArrudaBoyce
+Law = NeoHooke | Yeoh | Ogden | OgdenSeries | Guccione | MooneyRivlin | Gent | ArrudaBoyce
 
 
 def hessian_of_i1_law(

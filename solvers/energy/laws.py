@@ -16,7 +16,7 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from analytical.laws.isotropic import Guccione, Law, NeoHooke, Ogden, Yeoh
+from analytical.laws.isotropic import Guccione, Law, NeoHooke, Ogden, OgdenSeries, Yeoh
 from analytical.laws.of_invariants import ArrudaBoyce, Gent, MooneyRivlin
 from solvers.energy.ogden import FIT_RANGE, power_trace, trace_derivatives
 from solvers.errors import SolverError
@@ -140,8 +140,30 @@ def _polynomial(coefficients: tuple[float, ...], mesh: Any) -> CompiledLaw:
 
 @compile_law.register
 def _(law: Ogden, mesh: Any) -> CompiledLaw:
-    shape = power_trace(law.alpha)
-    prefactor = fem.Constant(mesh, float(law.prefactor_mpa))
+    return CompiledLaw(_power(law.alpha, law.prefactor_mpa, mesh), True, _POWER_LIMITS)
+
+
+@compile_law.register
+def _(law: OgdenSeries, mesh: Any) -> CompiledLaw:
+    terms = [_power(alpha, k, mesh) for alpha, k in zip(law.alpha, law.prefactors_mpa, strict=True)]
+
+    @cache
+    def derivatives(i1: Any, i2: Any) -> Derivatives:
+        every = [term(i1, i2) for term in terms]
+        return {key: sum((of[key] for of in every[1:]), every[0][key]) for key in every[0]}
+
+    return CompiledLaw(derivatives, True, _POWER_LIMITS)
+
+
+# I1 >= each x_i and I2 >= each 1/x_i, so these limits keep all x_i in the fit's range, which is one of x_i also where
+# it is 1/x_i that is raised to a power (alpha < 0).
+_POWER_LIMITS = (FIT_RANGE[1], 1.0 / FIT_RANGE[0])
+
+
+def _power(alpha: float, prefactor_mpa: float, mesh: Any) -> Callable[[Any, Any], Derivatives]:
+    """``k (sum lambda_i^alpha - 3)`` and its derivatives."""
+    shape = power_trace(alpha)
+    prefactor = fem.Constant(mesh, float(prefactor_mpa))
     constant = fem.Constant(mesh, float(shape.constant))
     poles = fem.Constant(mesh, np.asarray(shape.poles or (0.0,), dtype=np.float64))
     weights = fem.Constant(mesh, np.asarray(shape.weights or (0.0,), dtype=np.float64))
@@ -151,10 +173,7 @@ def _(law: Ogden, mesh: Any) -> CompiledLaw:
         d = trace_derivatives(i1, i2, shape, constant, poles, weights)
         return {k: prefactor * ((v - 3.0) if k == (0, 0) else v) for k, v in d.items()}
 
-    low, high = FIT_RANGE
-    # I1 >= each x_i and I2 >= each 1/x_i, so these limits keep all x_i in the fit's range, which is one of x_i also
-    # where it is 1/x_i that is raised to a power (alpha < 0).
-    return CompiledLaw(derivatives, True, (high, 1.0 / low))
+    return derivatives
 
 
 @compile_law.register

@@ -9,11 +9,14 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from analytical.laws.errors import MaterialError
-from analytical.laws.isotropic import MOST_TERMS, Guccione, Law, NeoHooke, Ogden, Yeoh
+from analytical.laws.isotropic import MOST_TERMS, Guccione, Law, NeoHooke, Ogden, OgdenSeries, Yeoh
 from analytical.laws.of_invariants import ArrudaBoyce, Gent, MooneyRivlin
-from studies.scene.sections import Modulus, Section
+from studies.scene.sections import ONE, ONE_OR_SEVERAL, SEVERAL, Modulus, Section
 
+Exponent = Annotated[float, Field(ge=-20.0, le=20.0, allow_inf_nan=False)]
 SignedModulus = Annotated[float, Field(ge=-1e5, le=1e5, allow_inf_nan=False)]
+SignedModuli = Annotated[list[SignedModulus], Field(min_length=1, max_length=MOST_TERMS)]
+Exponents = Annotated[list[Exponent], Field(min_length=1, max_length=MOST_TERMS)]
 # Below this size of the exponent the finite elements' form of the Ogden law has an error of stress above 1e-6.
 LEAST_ALPHA = 0.05
 
@@ -41,14 +44,19 @@ class YeohMaterial(Material):
 
 
 class OgdenMaterial(Material):
-    """One Ogden term; the convention says what mu is (initial shear modulus mu, or mu alpha / 2).
+    """One Ogden term or several; the convention says what mu is (initial shear modulus mu, or mu alpha / 2).
 
-    In "mu/alpha" a negative alpha goes with a negative mu.
+    In "mu/alpha" a negative alpha goes with a negative mu. Of several terms mu_kpa and alpha are lists, of any signs;
+    what must be positive is the initial shear modulus, the sum of theirs.
     """
 
     law: Literal["ogden"]
-    mu_kpa: SignedModulus = Field(description="mu; what it is the convention says")
-    alpha: Annotated[float, Field(ge=-20.0, le=20.0)] = Field(description="exponent of the principal stretches")
+    mu_kpa: Annotated[Annotated[SignedModulus, ONE] | Annotated[SignedModuli, SEVERAL], ONE_OR_SEVERAL] = Field(
+        description="mu, or a list of as many as there are terms; what it is the convention says"
+    )
+    alpha: Annotated[Annotated[Exponent, ONE] | Annotated[Exponents, SEVERAL], ONE_OR_SEVERAL] = Field(
+        description="exponent of the principal stretches, or a list"
+    )
     convention: Literal["2mu/alpha^2", "mu/alpha"] = Field(
         description="factor before the powers: mu is the initial shear modulus, or that is mu alpha / 2"
     )
@@ -123,7 +131,8 @@ def describe_material(material: AnyMaterial) -> str:
     if isinstance(material, YeohMaterial):
         return f"Yeoh C = {', '.join(f'{c:g}' for c in material.c_kpa)} kPa ({mu})"
     if isinstance(material, OgdenMaterial):
-        return f"Ogden mu = {material.mu_kpa:g} kPa, alpha = {material.alpha:g}, {material.convention} ({mu})"
+        numbers = [", ".join(f"{n:g}" for n in _listed(of)) for of in (material.mu_kpa, material.alpha)]
+        return f"Ogden mu = {numbers[0]} kPa, alpha = {numbers[1]}, {material.convention} ({mu})"
     if isinstance(material, GuccioneMaterial):
         return f"Guccione C = {material.c_kpa:g} kPa, b = {material.b:g} ({mu})"
     if isinstance(material, MooneyRivlinMaterial):
@@ -135,12 +144,19 @@ def describe_material(material: AnyMaterial) -> str:
     return f"neo-Hooke ({mu})"
 
 
+def _listed(numbers: float | list[float]) -> list[float]:
+    return numbers if isinstance(numbers, list) else [numbers]
+
+
 def law_of(material: AnyMaterial) -> Law:
     """The material law in MPa."""
     if isinstance(material, YeohMaterial):
         return Yeoh(tuple(1e-3 * c for c in material.c_kpa))
     if isinstance(material, OgdenMaterial):
-        return Ogden(1e-3 * material.mu_kpa, material.alpha, material.convention)
+        mus, alphas = tuple(1e-3 * mu for mu in _listed(material.mu_kpa)), tuple(_listed(material.alpha))
+        if len(mus) == len(alphas) == 1:
+            return Ogden(mus[0], alphas[0], material.convention)
+        return OgdenSeries(mus, alphas, material.convention)
     if isinstance(material, GuccioneMaterial):
         return Guccione(1e-3 * material.c_kpa, material.b)
     if isinstance(material, MooneyRivlinMaterial):
@@ -160,10 +176,11 @@ def inverse_kappa(material: AnyMaterial) -> float:
 def material_faults(material: AnyMaterial, highest_kpa: float, key: str) -> list[str]:
     """What is wrong with a law, or with a highest load beside it that suggests another unit."""
     faults = []
-    if isinstance(material, OgdenMaterial) and 0.0 < abs(material.alpha) < LEAST_ALPHA:
-        faults.append(
-            f"material.alpha = {material.alpha:g}: must be at least {LEAST_ALPHA:g} in size, or the law loses digits"
-        )
+    for alpha in _listed(material.alpha) if isinstance(material, OgdenMaterial) else ():
+        if 0.0 < abs(alpha) < LEAST_ALPHA:
+            faults.append(
+                f"material.alpha = {alpha:g}: must be at least {LEAST_ALPHA:g} in size, or the law loses digits"
+            )
     try:
         law = law_of(material)
         modulus = 1e3 * law.initial_shear_modulus_mpa

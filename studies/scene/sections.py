@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args, get_origin
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, ValidationError
 
 Length = Annotated[float, Field(gt=0.0, le=1000.0, allow_inf_nan=False)]
 Stiffness = Annotated[float, Field(gt=0.0, le=1e4, allow_inf_nan=False)]
@@ -26,6 +26,9 @@ def _in_a_list(value: Any) -> Any:
     return [value] if isinstance(value, int | float) and not isinstance(value, bool) else value
 
 
+# A key that holds a number or a list of them: faults are told of what is there, not of both.
+ONE, SEVERAL = Tag("one"), Tag("several")
+ONE_OR_SEVERAL = Discriminator(lambda value: "several" if isinstance(value, list) else "one")
 # A list of loads may have one only, which needs no brackets.
 ONE_OR_MORE = BeforeValidator(_in_a_list)
 # Which of a force on the tip and the pressure comes first: as in `solvers.paths.orders`.
@@ -161,6 +164,8 @@ def _place(model: type[Section], location: tuple[Any, ...]) -> tuple[list[str], 
     section: type[Section] = model
     inner: Any = None
     for part in location:
+        if part in (ONE.tag, SEVERAL.tag):
+            continue
         members = _members(inner) if inner is not None else {}
         if str(part) in members:
             inner = members[str(part)]

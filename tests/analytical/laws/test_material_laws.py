@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from analytical.laws.errors import MaterialError
-from analytical.laws.isotropic import Law, NeoHooke, Ogden, Yeoh
+from analytical.laws.isotropic import Law, NeoHooke, Ogden, OgdenSeries, Yeoh
 from analytical.laws.of_invariants import ArrudaBoyce, Gent, MooneyRivlin
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from analytical.laws.stability import check_stability
@@ -24,6 +24,8 @@ LAWS: tuple[Law, ...] = (
     dragon_skin_30("2mu/alpha^2"),
     dragon_skin_30("mu/alpha"),
     Ogden(-0.1, -3.0, "mu/alpha"),
+    OgdenSeries((0.63, 0.0012, -0.01), (1.3, 5.0, -2.0), "mu/alpha"),
+    OgdenSeries((0.05, -0.002), (2.0, 4.0), "2mu/alpha^2"),
     MooneyRivlin((0.08, 0.02)),
     MooneyRivlin((0.08, 0.02, 0.001)),
     MooneyRivlin((0.08, -0.01, 0.003, -0.0005, 0.0002)),
@@ -224,6 +226,8 @@ def test_a_second_invariant_that_stiffens_under_compression() -> None:
     [
         (lambda: MooneyRivlin((0.1,)), "has 1 constants: give C10, C01"),
         (lambda: MooneyRivlin((0.1, -0.2)), "C10 \\+ C01"),
+        (lambda: OgdenSeries((0.1, 0.2), (2.0,), "mu/alpha"), "has 2 numbers, alpha 1"),
+        (lambda: OgdenSeries((0.1, -0.2), (2.0, 4.0), "2mu/alpha^2"), "initial shear modulus"),
         (lambda: Gent(0.1, 0.0), "Gent limit"),
         (lambda: ArrudaBoyce(0.1, 1.0), "must be above 1"),
         (lambda: Yeoh((0.1,) * 9), "give one to 8"),

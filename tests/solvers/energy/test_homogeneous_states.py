@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from analytical.laws.isotropic import Law, NeoHooke
+from analytical.laws.isotropic import Law, NeoHooke, OgdenSeries
 from analytical.laws.of_invariants import ArrudaBoyce, Gent, MooneyRivlin
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from meshes.cells import TETRAHEDRON_EDGES
@@ -22,6 +22,8 @@ LAWS: dict[str, Law] = {
     "yeoh": DRAGON_SKIN_10,
     "ogden, 2mu/alpha^2": dragon_skin_30("2mu/alpha^2"),
     "ogden, mu/alpha": dragon_skin_30("mu/alpha"),
+    # Ogden's own three terms for Treloar's rubber (Proc. R. Soc. A 326 (1972) 565), MPa
+    "ogden, three terms": OgdenSeries((0.63, 0.0012, -0.01), (1.3, 5.0, -2.0), "mu/alpha"),
     "mooney-rivlin": MooneyRivlin((0.05, 0.02, 0.001, 0.0005, 0.0002)),
     "gent": Gent(0.1, 40.0),
     "arruda-boyce": ArrudaBoyce(0.1, 3.0),
