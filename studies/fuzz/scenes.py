@@ -50,7 +50,21 @@ def laws(guccione: bool = False) -> st.SearchStrategy[Contents]:
         {"law": st.just("ogden"), "mu_kpa": modulus, "alpha": alpha, "convention": convention}
     )
     neo_hooke = st.fixed_dictionaries({"law": st.just("neo-hooke"), "mu_kpa": modulus})
-    kinds = [yeoh, ogden, neo_hooke]
+    series = st.tuples(size(5.0, 300.0), st.floats(-0.2, 0.5), size(1.3, 6.0), st.sampled_from([-2.0, 4.0, 7.5])).map(
+        lambda c: {
+            **{"law": "ogden", "convention": "2mu/alpha^2", "alpha": [c[2], c[3]]},
+            "mu_kpa": [c[0], float(f"{c[0] * c[1]:.4g}")],
+        }
+    )
+    shares = st.tuples(st.floats(-0.3, 1.0), *(st.floats(-0.05, 0.1) for _ in range(3)))
+    mooney = st.tuples(size(3.0, 300.0), shares, st.sampled_from([2, 2, 3, 5])).map(
+        lambda c: {"law": "mooney-rivlin", "c_kpa": [float(f"{c[0] * x:.4g}") for x in (1.0, *c[1])[: c[2]]]}
+    )
+    gent = st.fixed_dictionaries({"law": st.just("gent"), "mu_kpa": modulus, "limit": size(1.5, 200.0)})
+    chains = st.fixed_dictionaries(
+        {"law": st.just("arruda-boyce"), "mu_kpa": modulus, "stretch_limit": size(1.1, 12.0)}
+    )
+    kinds = [yeoh, ogden, neo_hooke, series, mooney, gent, chains]
     if guccione:
         kinds.append(st.fixed_dictionaries({"law": st.just("guccione"), "c_kpa": modulus, "b": size(0.5, 8.0)}))
     return st.tuples(st.one_of(kinds), kappa).map(lambda drawn: {**drawn[0], "kappa_over_mu": drawn[1]})
@@ -60,8 +74,12 @@ def modulus_of(material: Contents) -> float:
     """A material's initial shear modulus, kPa; roughly, and positive."""
     if material["law"] == "yeoh":
         return 2.0 * float(material["c_kpa"][0])
+    if material["law"] == "mooney-rivlin":
+        return 2.0 * float(sum(material["c_kpa"][:2]))
     if material["law"] == "guccione":
         return 0.5 * float(material["b"] * material["c_kpa"])
+    if isinstance(material["mu_kpa"], list):
+        return float(sum(material["mu_kpa"]))
     return float(material["mu_kpa"])
 
 
