@@ -14,6 +14,7 @@ mu (1 + 3/(5 L^2) + 99/(175 L^4) + 513/(875 L^6) + 42039/(67375 L^8)) with its s
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Final
 
@@ -32,12 +33,12 @@ MOONEY_RIVLIN_CONSTANTS: Final = (2, 3, 5)
 ARRUDA_BOYCE_SERIES: Final = (1.0 / 2.0, 1.0 / 20.0, 11.0 / 1050.0, 19.0 / 7000.0, 519.0 / 673750.0)
 
 
-class InvariantLaw:
+class InvariantLaw(ABC):
     """What a law of the invariants is to those who ask by stretches; its class has `derivatives`."""
 
+    @abstractmethod
     def derivatives(self, i1: FloatArray, i2: FloatArray) -> Derivatives:
         """W and its derivatives at invariants of one shape, MPa."""
-        raise NotImplementedError
 
     @property
     def initial_shear_modulus_mpa(self) -> float:
@@ -176,8 +177,7 @@ class ArrudaBoyce(InvariantLaw):
         """W and its derivatives at invariants of one shape, MPa."""
         x = i1 - 3.0
         energy = w1 = w11 = np.zeros_like(x)
-        for k in range(len(ARRUDA_BOYCE_SERIES), 0, -1):
-            c = self.c_mpa[k - 1]
+        for k, c in reversed(list(enumerate(self.c_mpa, start=1))):
             energy, w1 = (energy + c) * x, w1 * x + k * c
             if k > 1:
                 w11 = w11 * x + k * (k - 1) * c

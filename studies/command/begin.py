@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import sys
+import re
 import webbrowser
 from pathlib import Path
 from typing import Any
 
 import click
+from mpi4py import MPI
 
 from studies.command.common import SCENE, check_writable, examples, load_scenes, refuse, say
 from studies.scene.bellows import BellowsScene
-from studies.scene.sections import Section
+from studies.scene.sections import NAME_PATTERN, Section
 from studies.site.scene_keys import choices_of
 
 # What a new scene begins with: the paper's actuator with a 2 mm wall and the least that has to be said.
@@ -36,6 +37,10 @@ REPORTS = ("report.html", "report.md", "rows.csv")
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
 def new(file: Path) -> None:
     """Write a scene of a bellows into FILE, every key with its meaning; those that have a default are commented out."""
+    if not re.fullmatch(NAME_PATTERN, file.stem):
+        refuse(f"{file}: a scene has the name of its file, of letters, digits and . _ - : give another name")
+    if MPI.COMM_WORLD.rank:
+        return
     if file.exists():
         refuse(f"{file}: is there already: nothing is overwritten; give another name")
     check_writable(file.absolute().parent)
@@ -95,6 +100,8 @@ def draw(scene: Path, picture: Path | None) -> None:
     ((checked, _),) = load_scenes((scene,))
     if not isinstance(checked, BellowsScene):
         refuse(f"{scene}: draws a bellows; the surfaces of a mesh or solid: bellowsx mesh FILE")
+    if MPI.COMM_WORLD.rank:
+        return
     file = picture or Path(f"{checked.name}-section.png")
     check_writable(file.absolute().parent)
     with figure_file(file, 8.0, 4.6) as figure:
@@ -112,7 +119,8 @@ def sizes(scene: BellowsScene) -> list[tuple[str, float, str]]:
     from studies.scene.bellows import shape_of
     from studies.scene.meshes import scene_meridian
 
-    shape, meridian = shape_of(scene), scene_meridian(scene, 1)
+    # straight between its corners the cavity's outline is 0.02 % off on this meridian, 1.4 % on the coarsest
+    shape, meridian = shape_of(scene), scene_meridian(scene, 8)
     silicone, rings = masses_g(scene, meridian)
     inside = meridian.facets[meridian.facet_tags == FACETS["cavity"]]
     line = meridian.points[[*inside[:, 0], inside[-1, 1]]]
@@ -145,4 +153,3 @@ def open_(folder: Path, printed: bool) -> None:
     html = folder / "report.html"
     if html.exists() and not printed and not webbrowser.open(html.absolute().as_uri()):
         say("no browser was found: open the first of these files in one", err=True)
-        sys.exit(0)

@@ -22,6 +22,7 @@ from studies.report.pictures.stills import Still
 from studies.report.scene_report import (
     SceneReport,
     anchor_of,
+    finest_path,
     followed_path,
     headline,
     headlines,
@@ -138,11 +139,23 @@ def answer(scene: SceneReport) -> str:
     if test and test.value:
         share = signed(difference_percent(last.value, test.value))
         said += f"; measured were {value_text(test)} {unit_of(scene)}, from which it is {share} %"
-    modes = [row for row in scene.rows if row.quantity == "unstable_modes" and row.model == model]
-    unstable = [row.pressure_kpa for row in modes if row.value > 0.0]
+    return said + _stability(scene, model)
+
+
+def _stability(scene: SceneReport, model: str) -> str:
+    """Which requested states are unstable: by the model's own count, and of axisymmetric ones by harmonics too."""
+    finest = finest_path(scene, model)
+    own = [s for s in finest if s.status == "requested" and math.isfinite(s.unstable_modes)]
+    flat = [path for key, path in scene.paths.items() if split_key(key)[0] == "axisymmetric"]
+    by_m = [s for path in flat for s in path if s.unstable_by_m]
+    unstable = {s.pressure_kpa for s in own if s.unstable_modes > 0.0}
+    unstable |= {s.pressure_kpa for s in by_m if any(int(n) for n in s.unstable_by_m.split(";"))}
     if unstable:
-        return f"{said}. Unstable at {', '.join(f'{p:g}' for p in unstable)} kPa"
-    return f"{said}. Stable at every pressure that was reached" if modes else said
+        return f". Unstable at {', '.join(f'{p:g}' for p in sorted(unstable, key=abs))} kPa"
+    if not own:
+        return ""
+    against = "" if model == "full3d" or by_m else " against axisymmetric perturbations; others were not counted"
+    return f". Stable at every pressure that was reached{against}"
 
 
 def _what(scene: SceneReport) -> str:

@@ -43,9 +43,8 @@ Tolerance = Annotated[
     float, Field(gt=0.0, le=100.0, description="largest discretisation uncertainty of what is wanted, % of the value")
 ]
 Fields = Annotated[bool, Field(description="in 3D: write displacements, stretches and pressure for ParaView")]
-SceneName = Annotated[
-    str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$", description="name of the scene in rows, files and reports")
-]
+NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$"
+SceneName = Annotated[str, Field(pattern=NAME_PATTERN, description="name of the scene in rows, files and reports")]
 
 # Results at two loads are told apart if the loads differ by more than this share: tables have six digits.
 APART = 1e-5

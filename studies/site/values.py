@@ -5,9 +5,11 @@ from __future__ import annotations
 import functools
 import math
 from pathlib import Path
+from typing import Any
 
 from jinja2 import Environment, StrictUndefined
 
+from studies.report.numbers import up
 from studies.results.provenance import ROOT
 from studies.results.rows import Row, difference_percent, read_rows
 
@@ -38,41 +40,23 @@ def find(
     """
     for row in reversed(rows_of(study)):
         here = math.isnan(row.pressure_kpa) if pressure_kpa is None else row.pressure_kpa == pressure_kpa
-        if here and (row.scene, row.quantity, row.model) == (scene, quantity, model) and level in (None, row.level):
+        wanted = row.level == level if level else not (study == "paper" and row.level in _FOR_AUDIT)
+        if here and wanted and (row.scene, row.quantity, row.model) == (scene, quantity, model):
             return row
-    raise ValueMissing(
-        f"docs/{study}/rows.csv: no {quantity} of {scene}, {model}, at {pressure_kpa} kPa, level {level}"
-    )
+    asked = f"{quantity} of {scene}, {model}, at {pressure_kpa} kPa, level {level}"
+    raise ValueMissing(f"docs/{study}/rows.csv: no {asked}")
 
 
-def value(
-    study: str,
-    scene: str,
-    quantity: str,
-    model: str,
-    pressure_kpa: float | None = None,
-    level: str | None = None,
-    digits: int = 2,
-) -> str:
-    """A number of a row."""
-    return _typeset(find(study, scene, quantity, model, pressure_kpa, level).value, digits)
+def value(*where: Any, digits: int = 2, **further: Any) -> str:
+    """A number of a row, which is said as to `find`."""
+    return _typeset(find(*where, **further).value, digits)
 
 
-def banded(
-    study: str,
-    scene: str,
-    quantity: str,
-    model: str,
-    pressure_kpa: float | None = None,
-    level: str | None = None,
-    digits: int = 2,
-) -> str:
-    """A number with its uncertainty, which is rounded up."""
-    row = find(study, scene, quantity, model, pressure_kpa, level)
-    if math.isnan(row.uncertainty):
-        return _typeset(row.value, digits)
-    up = math.ceil(row.uncertainty * 10.0**digits - 1e-9) / 10.0**digits
-    return f"{_typeset(row.value, digits)} ± {up:.{digits}f}"
+def banded(*where: Any, digits: int = 2, **further: Any) -> str:
+    """A number with its uncertainty, which is rounded up; said as to `find`."""
+    row = find(*where, **further)
+    doubt = "" if math.isnan(row.uncertainty) else f" ± {up(row.uncertainty, digits)}"
+    return _typeset(row.value, digits) + doubt
 
 
 def percent(

@@ -18,7 +18,7 @@ from studies.site.formulas import hidden, shown
 from studies.site.messages import CAUSES, all_messages, messages_of, messages_page
 from studies.site.problems import sheets
 from studies.site.scene_keys import scene_page
-from studies.site.values import ValueMissing, filled, value
+from studies.site.values import ValueMissing, banded, filled, value
 
 ROOT = Path(__file__).resolve().parents[3]
 DOCS = ROOT / "docs"
@@ -66,6 +66,8 @@ def test_site_builds_with_all_links_whole(tmp_path: Path) -> None:
 
 def test_numbers_are_those_of_rows() -> None:
     assert filled('{{ value("paper", "heung-t1-ri5", "tip_mm", "paper_experiment", 20, digits=0) }}') == "141"
+    # as the README has it: not of the meshes that are for the audit of uncertainties
+    assert banded("paper", "heung-t1-ri5", "tip_mm", "full3d", 20) in (ROOT / "README.md").read_text(encoding="utf-8")
     with pytest.raises(ValueMissing, match="no tip_mm of nobody"):
         value("paper", "nobody", "tip_mm", "full3d", 20)
 
