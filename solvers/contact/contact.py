@@ -31,6 +31,8 @@ from solvers.errors import Cause, SolverError, StepFailed
 
 # Two surfaces face each other when the angle between their normals is more than 120 degrees.
 _OPPOSED = -0.5
+# Where contact fades out it presses the less, so that the depth at the largest pressure grows; up to so many limits.
+FADED = 5.0
 
 
 @dataclass
@@ -40,7 +42,7 @@ class _Part:
     what: str
     gap: FloatArray
     weight: FloatArray
-    counts: np.ndarray  # False where contact fades out
+    grade: FloatArray  # below one where contact fades out
     dofs: IntArray
     gradient: FloatArray
     bend: FloatArray
@@ -137,7 +139,7 @@ class Contact:
         dofs = np.column_stack([on.dofs[near], np.full(len(near), -1 if pair.body is None else self._body(pair.body))])
         gradient = np.einsum("qki,qi->qk", moves, out[near])
         second = np.einsum("qki,qij,qlj->qkl", moves, bend[near], moves)
-        return _Part(pair.what, gap[near], (on.weight * grade)[near], grade[near] == 1.0, dofs, gradient, second)
+        return _Part(pair.what, gap[near], (on.weight * grade)[near], grade[near], dofs, gradient, second)
 
     def _facing(self, pair: Facing, lines: Sequence[FloatArray]) -> _Part:
         on, curve = self._points[pair.points], self._curves[pair.curve]
@@ -185,7 +187,7 @@ class Contact:
             - gap[:, None, None] * turn[:, :, None] * turn[:, None, :]
         ) / a[:, None, None]
         dofs = np.column_stack([on.dofs[q], self._dofs[pair.curve][near.nodes[keep]].reshape(len(q), 8)])
-        return _Part(pair.what, gap, 0.5 * on.weight[q], np.ones(len(q), dtype=bool), dofs, across, second)
+        return _Part(pair.what, gap, 0.5 * on.weight[q], np.ones(len(q)), dofs, across, second)
 
     def _stop(self, pair: Stop, values: FloatArray) -> _Part:
         dofs = np.array([[self._body(pair.lower), self._body(pair.upper)]])
@@ -195,7 +197,7 @@ class Contact:
             pair.what,
             gap[near],
             np.array([pair.area_mm2])[near],
-            np.array([True])[near],
+            np.ones(1)[near],
             dofs[near],
             np.array([[-1.0, 1.0]])[near],
             np.zeros((1, 2, 2))[near],
@@ -272,9 +274,11 @@ class Contact:
         """
         settings = self.settings
         for part in self._now():
-            if part.gap.min(initial=0.0) < -settings.limit_mm:
+            limit = settings.limit_mm * np.minimum(1.0 / part.grade, FADED)
+            if np.any(part.gap < -limit):
+                worst = int(np.argmin(part.gap / limit))
                 raise StepFailed(
-                    f"{part.what}: penetration of {-part.gap.min():.3g} mm, more than {settings.limit_mm:.3g} mm: a "
+                    f"{part.what}: penetration of {-part.gap[worst]:.3g} mm, more than {limit[worst]:.3g} mm: a "
                     f"contact stiffness above {settings.stiffness_mpa_per_mm:g} MPa/mm would hold it",
                     Cause.CONTACT,
                 )
@@ -295,7 +299,7 @@ class Contact:
         for part in self._now():
             pressure = self.settings.pressure(part.gap)[1]
             before = found.get(part.what, PairReport(part.what, np.inf, 0.0, 0))
-            shown = part.gap[part.counts | (pressure > 0.0)]
+            shown = part.gap[(part.grade == 1.0) | (pressure > 0.0)]
             found[part.what] = PairReport(
                 part.what,
                 float(min(before.gap_mm, shown.min(initial=np.inf))),

@@ -29,7 +29,7 @@ class ContactSettings:
     reach_mm
         Pairs closer than this have a place in the sparse matrix, before they touch.
     limit_mm
-        A state with a deeper penetration is not accepted.
+        A state with a deeper penetration is not accepted; where contact fades out, with one that presses more.
     """
 
     stiffness_mpa_per_mm: float

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -37,7 +38,7 @@ class NewtonSettings:
         A residual below this that an iteration with a fresh factor does not halve is that of round-off: a soft bellows
         under a small dead force moves by more than ``still`` in every iteration.
     max_iterations
-        Newton iterations before the step is given up.
+        Newton iterations before the step is given up, unless the factor of the last one is still good enough.
     reuse_below
         A factor is used again while the residual falls by more than this factor in an iteration.
     reuse_for
@@ -143,7 +144,7 @@ def solve_equilibrium(
     error = moved = np.inf
     fresh = False
     here = _residual(problem, control)
-    for iteration in range(settings.max_iterations + 1):
+    for iteration in itertools.count():
         new_error = here.error
         if not np.isfinite(new_error):
             raise StepFailed(f"the residual is not finite in iteration {iteration}")
@@ -161,16 +162,15 @@ def solve_equilibrium(
             unstable, rate = factor.unstable_modes(), _rate(problem, toward)
             used = factor.count - before
             return NewtonReport(iteration, used, new_error, det_f, stretch, unstable, compliance, rate)
-        if new_error > 1e8 or iteration == settings.max_iterations:
-            raise StepFailed(f"no convergence: relative residual {new_error:.1e} after {iteration} iterations")
         reuse = iteration > 0 and _converges(settings, error, new_error)
+        if new_error > 1e8 or (iteration >= settings.max_iterations and not reuse):
+            raise StepFailed(f"no convergence: relative residual {new_error:.1e} after {iteration} iterations")
         error, fresh = new_error, not reuse
         if fresh:
             factor.refresh()
             if problem.turning is not None:
                 problem.turning.mark(problem.state.x.array[: problem.owned], problem.body_values)
         moved, here = _advance(problem, settings, control, error, _increment(problem, factor, control, here))
-    raise AssertionError("unreachable")
 
 
 def relative_residual(problem: Problem) -> float:
