@@ -314,19 +314,25 @@ def test_a_soft_penalty_is_refused_with_its_depth(tube_in_bore):
 def test_what_is_refused_where_contact_fades_out_is_reported_too(tube_in_bore):
     problem, mesh = tube_in_bore.problem, tube_in_bore.mesh
     line = line_of(mesh, INNER.outer_radius_mm, -1.0)
-    for grade, pressed in ((1.0, True), (0.5, True), (1e-3, True), (0.0, False)):
+    # grade, depth that is accepted (that of the same pressure, five times as deep at most), depth of the state
+    for grade, limit, depth in (
+        (1.0, 0.01, 0.02),
+        (0.25, 0.04, 0.02),
+        (0.25, 0.04, 0.05),
+        (1e-3, 0.05, 0.06),
+        (0.0, 1, 0.06),
+    ):
         pair = Against("housing", 0, Bore(HOUSING_MM), None, np.full((len(line.free), 5), grade))
         problem.contact = Contact(problem.unknowns, mesh.points, [line], [pair], SETTINGS, boundary_edges(mesh))
         values = np.zeros(problem.contact._size)
-        values[problem.u_dofs[:, 0]] = 1.02  # twice as deep as is accepted
+        values[problem.u_dofs[:, 0]] = HOUSING_MM - INNER.outer_radius_mm + depth
         set_values(problem, values)
         (report,) = problem.contact.report()
-        if pressed:
-            assert report.gap_mm == pytest.approx(-0.02, abs=1e-9)
-            with pytest.raises(StepFailed, match=r"penetration of 0\.02 mm"):
+        assert report.gap_mm == (pytest.approx(-depth, abs=1e-9) if grade else np.inf)
+        if depth > limit:
+            with pytest.raises(StepFailed, match=rf"penetration of {depth} mm, more than {limit} mm"):
                 problem.contact.check()
         else:
-            assert report.gap_mm == np.inf
             problem.contact.check()
 
 

@@ -141,6 +141,25 @@ def test_warm_start_in_3d_agrees_with_the_axisymmetric_path(bellows_problem, inf
 # ---- refusals ------------------------------------------------------------------------------------------
 
 
+def test_a_solve_that_converges_with_its_last_factor_is_not_given_up(bellows_problem, inflated) -> None:
+    problem, factor = bellows_problem(2).problem, bellows_problem(2).factor
+    guess, pressure = at_pressure(inflated, 0.005), 0.006
+
+    def solve(settings: NewtonSettings):
+        problem.set_state(guess)
+        return solve_equilibrium(problem, factor, settings, HeldLoad(pressure))
+
+    patient = NewtonSettings(reuse_below=0.5)
+    whole = solve(patient)
+    state = problem.get_state()
+    assert whole.factorisations < whole.iterations  # the last ones had no factor of their own
+    short = dataclasses.replace(patient, max_iterations=whole.iterations - 1)
+    assert solve(short).iterations == whole.iterations
+    assert_same_state(problem.get_state(), state, 1e-12)
+    with pytest.raises(StepFailed, match="no convergence"):
+        solve(dataclasses.replace(short, max_iterations=1, reuse_below=0.0, reuse_for=0.0))
+
+
 @pytest.mark.parametrize("field", ["displacement_mm", "pressure_mpa"])
 def test_nan_stops_newton_in_its_first_iteration(bellows_problem, inflated, field: str) -> None:
     case = bellows_problem(2)
