@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Annotated, Literal
+from collections.abc import Mapping, Sequence
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -26,6 +26,11 @@ class Material(Section):
 
     ``data_to_stretch``: up to which stretch the data went that the law was fitted to; results beyond carry a warning.
     """
+
+    also: ClassVar[Mapping[str, str]] = {
+        "preset": "name of a silicone in place of law and constants: `bellowsx material list`",
+        "data": "CSV of tensile tests that law and constants are fitted to: `bellowsx material fit`",
+    }
 
     kappa_over_mu: Annotated[float, Field(gt=10.0)] = Field(
         default=math.inf, description="bulk modulus over initial shear modulus; inf: incompressible"
