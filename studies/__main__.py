@@ -15,7 +15,8 @@ from mpi4py import MPI
 
 from studies.command.begin import draw, new, open_
 from studies.command.common import examples
-from studies.command.look import check, material, mesh
+from studies.command.look import check, mesh
+from studies.command.material import material
 from studies.command.report import report
 from studies.command.solve import batch, plan, solve
 from studies.command.study import study

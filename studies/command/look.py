@@ -1,25 +1,20 @@
-"""``bellowsx check``, ``material`` and ``mesh``: what is there, before anything is solved."""
+"""``bellowsx check`` and ``mesh``: what is there, before anything is solved."""
 
 from __future__ import annotations
 
-import json
 import runpy
 import sys
 from pathlib import Path
-from typing import Any
 
 import click
 from mpi4py import MPI
 
 from meshes.solid import SolidMesh
-from studies.command.common import FAULTS, JSON, MODEL, SCENE, examples, load_scenes, refuse, say
+from studies.command.common import FAULTS, MODEL, examples, load_scenes, refuse, say
 from studies.planning.levels import Model
-from studies.report.tables import Table, as_text
 from studies.results import provenance
 
 POSITIVE = click.FloatRange(min=0.0, min_open=True)
-# Stretches of the printed stress curves.
-STRETCHES = (1.1, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0)
 
 
 @click.command(epilog=examples("bellowsx check", "bellowsx check my.toml scenes/*.toml"))
@@ -35,38 +30,6 @@ def check(scenes: tuple[Path, ...]) -> None:
         return
     for scene, _ in load_scenes(scenes):
         say(f"{scene.name}: sound")
-
-
-@click.command(epilog=examples("bellowsx material scenes/heung-t2-ri5.toml", "bellowsx material my.toml --json"))
-@SCENE
-@JSON
-def material(scene: Path, as_json: bool) -> None:
-    """Print the law of SCENE: constants, initial moduli, and stresses in three homogeneous tests."""
-    import numpy as np
-
-    from analytical.exact.homogeneous import MODES, stress_curves
-    from studies.planning.warnings import law_range
-    from studies.scene.materials import describe_material, law_of
-
-    ((checked, _),) = load_scenes((scene,))
-    law = law_of(checked.material)
-    curves = stress_curves(law, np.array(STRETCHES))
-    modulus = 1e3 * law.initial_shear_modulus_mpa
-    stresses = {mode: 1e3 * curves.nominal_mpa[mode] for mode in MODES}
-    if as_json:
-        content: dict[str, Any] = {
-            "law": checked.material.model_dump(mode="json"),
-            "initial_shear_modulus_kpa": modulus,
-            "initial_youngs_modulus_kpa": 3.0 * modulus,
-            "stretch": list(STRETCHES),
-            "nominal_stress_kpa": {mode: values.tolist() for mode, values in stresses.items()},
-        }
-        say(json.dumps(content, indent=1))
-        return
-    say("\n".join(line for line in (describe_material(checked.material), law_range(checked.material)) if line))
-    say(f"initial shear modulus {modulus:.4g} kPa, initial Young's modulus {3.0 * modulus:.4g} kPa")
-    lines = [(f"{stretch:g}", *(f"{stresses[mode][k]:.4g}" for mode in MODES)) for k, stretch in enumerate(STRETCHES)]
-    say(as_text(Table(("stretch", *(f"{mode}, nominal kPa" for mode in MODES)), tuple(lines), ())))
 
 
 @click.command(

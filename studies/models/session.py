@@ -27,7 +27,7 @@ from studies.planning.error_model import MERIDIAN_SHARE
 from studies.planning.levels import MODELS, BodyLevel, fineness, ranking
 from studies.planning.plan import Plan
 from studies.planning.planner import make_plan
-from studies.planning.warnings import LAW
+from studies.planning.warnings import LAW, materials_of
 from studies.progress import Progress
 from studies.results.bellows_rows import bellows_rows
 from studies.results.expectations import expectation_rows, sentence
@@ -38,6 +38,7 @@ from studies.scene.bellows import BellowsScene
 from studies.scene.bodies import BodyScene
 from studies.scene.compare import self_contained
 from studies.scene.load import Scene
+from studies.scene.silicones import with_laws
 
 # What solves simple bodies is imported with the first of them: with the exact solutions it takes a tenth of a second.
 
@@ -143,7 +144,8 @@ def run_plan(
     if comm.rank == 0:
         folder.mkdir(parents=True, exist_ok=True)
         compare = None if isinstance(scene, BodyScene) else scene.compare
-        write_text_atomically(folder / SCENE_FILE, self_contained(scene_text, compare))
+        text = with_laws(self_contained(scene_text, compare), materials_of(scene))
+        write_text_atomically(folder / SCENE_FILE, text)
         _drop_others(scene, folder)
     comm.barrier()
     work = (plan, folder, comm, progress)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from analytical.laws.silicones import silicone_of
+from analytical.laws.silicones import Silicone, silicone_of
 from analytical.laws.stability import stable_stretches
 from meshes.by_gmsh.user_mesh import read_user_mesh
 from studies.scene.bellows import BellowsScene
@@ -27,6 +27,7 @@ from studies.scene.body_geometry import (
 )
 from studies.scene.load import Scene
 from studies.scene.materials import AnyMaterial, law_of
+from studies.scene.silicones import preset_of
 
 # Begins what is said of a law that softens.
 LAW = "law: "
@@ -220,7 +221,9 @@ def stretch_warnings(scene: Scene, stretches: Sequence[tuple[float, float]]) -> 
 
 def _material_stretches(material: AnyMaterial, stretches: Sequence[tuple[float, float]]) -> list[str]:
     """The same of one material."""
-    silicone, known = silicone_of(law_of(material)), material.data_to_stretch
+    law, known = law_of(material), material.data_to_stretch
+    printed, named = silicone_of(law), preset_of(law)
+    silicone = printed or (named and Silicone(named.title, named.stretch_at_break, named.source))
     found = []
     if silicone is not None and (first := _first(stretches, silicone.stretch_at_break)):
         found.append(f"{first}: {silicone.name} breaks at {silicone.stretch_at_break:g} ({silicone.source})")

@@ -9,6 +9,7 @@ from studies.scene.bellows import BellowsScene, bellows_faults
 from studies.scene.bodies import KINDS, BodyScene, body_faults
 from studies.scene.compare import with_measured
 from studies.scene.sections import SceneError, read_toml, validated
+from studies.scene.silicones import with_material
 
 Scene = BellowsScene | BodyScene
 
@@ -34,11 +35,11 @@ def scene_from(data: dict[str, Any], path: Path) -> Scene:
     """
     kind = _kind(data)
     if kind == "bellows" or kind is None:  # a missing kind is told as the missing key it is
-        return validated(BellowsScene, _measured(data, path), path, bellows_faults)
+        return validated(BellowsScene, _completed(data, path), path, bellows_faults)
     if kind not in KINDS:
         allowed = ", ".join(repr(name) for name in ("bellows", *KINDS))
         raise SceneError(f"{path}: geometry.kind = {kind!r}: allowed: {allowed}")
-    return validated(BodyScene, _with_place(data, path), path, body_faults)
+    return validated(BodyScene, _with_place(_with_material(data, path), path), path, body_faults)
 
 
 def load_bellows(path: Path) -> BellowsScene:
@@ -49,7 +50,7 @@ def load_bellows(path: Path) -> BellowsScene:
     SceneError
         As from `load_scene`.
     """
-    return validated(BellowsScene, _measured(read_toml(path), path), path, bellows_faults)
+    return validated(BellowsScene, _completed(read_toml(path), path), path, bellows_faults)
 
 
 def kept_scene(path: Path) -> Scene:
@@ -66,9 +67,17 @@ def kept_scene(path: Path) -> Scene:
     return validated(BellowsScene, data, path)
 
 
-def _measured(data: dict[str, Any], path: Path) -> dict[str, Any]:
+def _completed(data: dict[str, Any], path: Path) -> dict[str, Any]:
+    """With measured values and the material's law, which may be in other files."""
     try:
-        return with_measured(data, path.resolve().parent)
+        return with_measured(_with_material(data, path), path.resolve().parent)
+    except SceneError as error:
+        raise SceneError(str(error) if str(error).startswith(f"{path}: ") else f"{path}: {error}") from None
+
+
+def _with_material(data: dict[str, Any], path: Path) -> dict[str, Any]:
+    try:
+        return with_material(data, path.resolve().parent)
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from None
 

@@ -94,7 +94,8 @@ def _line(name: str, field: FieldInfo) -> list[str]:
 
 def _others(section: type[Section]) -> Iterator[list[str]]:
     for name, meaning in section.also.items():
-        yield [f"`{name}`", unit_of(name), "–", "> 0", cell(meaning)]
+        unit = unit_of(name)
+        yield [f"`{name}`", unit, "–", "> 0" if unit else "a name", cell(meaning)]
 
 
 def unit_of(name: str) -> str:

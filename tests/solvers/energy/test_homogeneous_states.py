@@ -22,7 +22,7 @@ LAWS: dict[str, Law] = {
     "yeoh": DRAGON_SKIN_10,
     "ogden, 2mu/alpha^2": dragon_skin_30("2mu/alpha^2"),
     "ogden, mu/alpha": dragon_skin_30("mu/alpha"),
-    # Ogden's own three terms for Treloar's rubber (Proc. R. Soc. A 326 (1972) 565), MPa
+    # Ogden's own three terms for Treloar's rubber (Proc. R. Soc. A 326 (1972) 565), 1 kgf/cm2 taken as 0.1 MPa
     "ogden, three terms": OgdenSeries((0.63, 0.0012, -0.01), (1.3, 5.0, -2.0), "mu/alpha"),
     "mooney-rivlin": MooneyRivlin((0.05, 0.02, 0.001, 0.0005, 0.0002)),
     "gent": Gent(0.1, 40.0),

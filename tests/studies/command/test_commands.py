@@ -121,15 +121,6 @@ def test_check_names_every_fault(tube: tuple[Path, Path], tmp_path: Path) -> Non
     assert done.exit_code == 2 and "inner_mm" in done.output
 
 
-def test_material_prints_moduli_and_stresses(root: Path) -> None:
-    scene = root / "scenes" / "smoke-t2-ri5.toml"
-    text = invoke("material", scene).output
-    assert "initial shear modulus 75.45 kPa" in text and "equibiaxial" in text
-    found = json.loads(invoke("material", scene, "--json").output)
-    assert found["initial_youngs_modulus_kpa"] == pytest.approx(3.0 * found["initial_shear_modulus_kpa"])
-    assert len(found["nominal_stress_kpa"]["uniaxial"]) == len(found["stretch"])
-
-
 def test_mesh_prints_size_quality_and_surfaces(root: Path, tmp_path: Path) -> None:
     out = tmp_path / "mesh.vtu"
     done = invoke("mesh", root / "scenes" / "smoke-t2-ri5.toml", "--out", out)
