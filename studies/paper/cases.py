@@ -22,6 +22,7 @@ Group = Literal[
     "beyond",
     "convention",
     "silicone",
+    "public",
     "blocked",
     "rings",
     "bond",
@@ -32,7 +33,7 @@ Group = Literal[
 # Parts that can be run alone.
 PARTS: Final[Mapping[str, tuple[Group, ...]]] = {
     "core": ("core", "zigzag", "control"),
-    "variants": ("tets", "alternates", "beyond", "convention", "silicone", "blocked", "rings", "bond"),
+    "variants": ("tets", "alternates", "beyond", "convention", "silicone", "public", "blocked", "rings", "bond"),
     "sets": ("sets",),
     "audit": ("audit",),
 }
@@ -183,12 +184,15 @@ def _loaded(base: str) -> Iterator[Case]:
 
 
 def _materials() -> Iterator[Case]:
-    """The other convention of Ogden's mu, and the other silicone."""
+    """The other convention of Ogden's mu, the other silicone, and laws fitted to public tensile tests."""
     for base in THICK:
         yield _variant("convention", base, "mu-alpha", "Ogden as mu/alpha", {"material.convention": "mu/alpha"})
         yield _variant("silicone", base, "in-10", "in Dragon Skin 10", {"material": DRAGON_SKIN_10})
     for base in THIN:
         yield _variant("silicone", base, "in-30", "in Dragon Skin 30", {"material": DRAGON_SKIN_30})
+    for actuator in REFERENCE:
+        of_data = {"material": {"preset": actuator.silicone}}
+        yield _variant("public", actuator.name, "public", "constants from public data", of_data)
 
 
 def _bonds() -> Iterator[Case]:
