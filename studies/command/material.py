@@ -144,7 +144,7 @@ def fit(
         refuse(str(error))
     best = fits[0]
     if picture is not None:
-        from studies.report.stress_curves import draw_stress_curves
+        from studies.report.pictures.stress_curves import draw_stress_curves
 
         _written(
             picture,
@@ -217,7 +217,7 @@ def _material(what: str) -> tuple[Any, list[str]]:
 
 
 def _draw(path: Path, label: str, law: Any, what: str, to_stretch: float | None) -> None:
-    from studies.report.stress_curves import draw_stress_curves
+    from studies.report.pictures.stress_curves import draw_stress_curves
     from studies.results.provenance import ROOT
     from studies.scene.silicones import presets
     from studies.scene.tensile import read_tests, up_to

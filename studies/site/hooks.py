@@ -15,6 +15,7 @@ from studies.site.messages import messages_page
 from studies.site.problems import sheets
 from studies.site.scene_keys import scene_page
 from studies.site.scenes import scenes_page
+from studies.site.silicones import silicones_page
 from studies.site.values import ValueMissing, filled
 
 # What the theme would fetch for a search in files, and where it is instead.
@@ -29,6 +30,7 @@ def made_pages() -> Iterator[tuple[str, str]]:
     yield "reference/scenes.md", scenes_page()
     yield "reference/rows.md", columns_page()
     yield "reference/messages.md", messages_page()
+    yield "reference/silicones.md", silicones_page()
     for name, text in sheets():
         yield f"problems/{name}.md", text
 

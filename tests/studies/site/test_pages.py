@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
-FENCE = re.compile(r"^```(sh|toml|python)(?: title=\"([^\"]+)\")?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+FENCE = re.compile(r"^```(sh|toml|csv|python)(?: title=\"([^\"]+)\")?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 # What a reader's clone has and commands read.
 SHARED = (
     *(".venv", "analytical", "bellowsx", "docs", "meshes", "packages", "pyproject.toml", "scenes", "solvers"),
@@ -17,7 +17,10 @@ SHARED = (
 )
 QUICK = ("docs/index.md", "docs/start/first-actuator.md", "docs/start/install.md", "README.md")
 SLOW = (
-    *(f"docs/tutorials/{name}.md" for name in ("own-actuator", "own-mesh", "reading-a-report", "sweep-on-a-cluster")),
+    *(
+        f"docs/tutorials/{name}.md"
+        for name in ("own-actuator", "own-mesh", "own-silicone", "reading-a-report", "sweep-on-a-cluster")
+    ),
     "docs/contributing.md",
 )
 

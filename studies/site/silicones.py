@@ -1,0 +1,43 @@
+"""The page of the silicones that a scene can name."""
+
+from __future__ import annotations
+
+from studies.scene.materials import describe_material, law_of
+from studies.scene.silicones import Preset, preset_material, presets
+from studies.site.markdown import cell, table
+
+HEADER = ("`material.preset`", "initial shear modulus, kPa", "data to stretch", "breaks at stretch")
+
+
+def silicones_page() -> str:
+    """Markdown of the page."""
+    parts = [
+        "# Silicones by name",
+        'What `[material] preset = "NAME"` stands for (`bellowsx material list`): law, constants, source, and what'
+        " other sources say of the same silicone. Those with data are fitted to one specimen of a public database,"
+        " whose strain is the machine's crosshead's: the laws are on the soft side, as makers' moduli beside them"
+        " show. For a design that has to hold, [test your own](../tutorials/own-silicone.md).",
+        table(HEADER, map(_line, presets().values())),
+    ]
+    for one in presets().values():
+        parts += [f"## {one.title} {{#{one.name}}}", _about(one)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _line(one: Preset) -> tuple[str, ...]:
+    of = preset_material(one)
+    modulus, to = 1e3 * law_of(of).initial_shear_modulus_mpa, of.data_to_stretch
+    return (
+        f"[`{one.name}`](#{one.name})",
+        f"{modulus:.3g}",
+        f"{to:.3g}" if to else "not told",
+        f"{one.stretch_at_break:.3g}",
+    )
+
+
+def _about(one: Preset) -> str:
+    lines = [f"`{one.name}`: {cell(describe_material(preset_material(one)))}.", f"*Source.* {cell(one.source)}."]
+    if one.data:
+        lines.append(f"*Data.* `{one.data}`.")
+    lines += [f"*Elsewhere.* {cell(other)}" for other in one.others]
+    return "\n\n".join(lines)
