@@ -39,7 +39,7 @@ def list_(as_json: bool) -> None:
     from dataclasses import asdict
 
     from studies.scene.materials import law_of
-    from studies.scene.silicones import preset_material, presets
+    from studies.scene.silicones.presets import preset_material, presets
 
     if as_json:
         say(json.dumps({name: asdict(one) for name, one in presets().items()}, indent=1))
@@ -135,7 +135,7 @@ def fit(
     mode (uniaxial, equibiaxial, pure shear) and weight. Least squares in relative error, with positive moduli.
     """
     from analytical.tensile.measured import MeasuredError
-    from studies.scene.tensile import fits_of, material_of, read_tests, up_to
+    from studies.scene.silicones.tensile import fits_of, material_of, read_tests, up_to
 
     try:
         tests = up_to([test for file in data for test in read_tests(file, "data")], to_stretch)
@@ -201,7 +201,7 @@ def fit(
 
 def _material(what: str) -> tuple[Any, list[str]]:
     """The material of a preset or of a scene's file, and what is told of it."""
-    from studies.scene.silicones import preset, preset_material, presets
+    from studies.scene.silicones.presets import preset, preset_material, presets
 
     if what in presets() or not Path(what).exists() and not what.endswith(".toml"):
         try:
@@ -219,8 +219,8 @@ def _material(what: str) -> tuple[Any, list[str]]:
 def _draw(path: Path, label: str, law: Any, what: str, to_stretch: float | None) -> None:
     from studies.report.pictures.stress_curves import draw_stress_curves
     from studies.results.provenance import ROOT
-    from studies.scene.silicones import presets
-    from studies.scene.tensile import read_tests, up_to
+    from studies.scene.silicones.presets import presets
+    from studies.scene.silicones.tensile import read_tests, up_to
 
     one = presets().get(what)
     largest = to_stretch or 4.0

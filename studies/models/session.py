@@ -38,7 +38,7 @@ from studies.scene.bellows import BellowsScene
 from studies.scene.bodies import BodyScene
 from studies.scene.compare import self_contained
 from studies.scene.load import Scene
-from studies.scene.silicones import with_laws
+from studies.scene.silicones.presets import with_laws
 
 # What solves simple bodies is imported with the first of them: with the exact solutions it takes a tenth of a second.
 

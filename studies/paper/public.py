@@ -19,8 +19,8 @@ from studies.report.tables import Table
 from studies.results.provenance import ROOT
 from studies.results.rows import Row
 from studies.scene.materials import law_of
-from studies.scene.silicones import preset_material, presets
-from studies.scene.tensile import read_tests
+from studies.scene.silicones.presets import preset_material, presets
+from studies.scene.silicones.tensile import read_tests
 
 STRETCHES: Final = (1.25, 1.5, 2.0, 3.0, 4.0)
 # Constants of a public toolbox: SorotokiCode, +preset/+material/Dragonskin10.m and Dragonskin30.m, MPa.

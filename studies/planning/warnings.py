@@ -27,7 +27,7 @@ from studies.scene.body_geometry import (
 )
 from studies.scene.load import Scene
 from studies.scene.materials import AnyMaterial, law_of
-from studies.scene.silicones import preset_of
+from studies.scene.silicones.presets import preset_of
 
 # Begins what is said of a law that softens.
 LAW = "law: "

@@ -9,7 +9,7 @@ from studies.scene.bellows import BellowsScene, bellows_faults
 from studies.scene.bodies import KINDS, BodyScene, body_faults
 from studies.scene.compare import with_measured
 from studies.scene.sections import SceneError, read_toml, validated
-from studies.scene.silicones import with_material
+from studies.scene.silicones.presets import with_material
 
 Scene = BellowsScene | BodyScene
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from studies.scene.materials import describe_material, law_of
-from studies.scene.silicones import Preset, preset_material, presets
+from studies.scene.silicones.presets import Preset, preset_material, presets
 from studies.site.markdown import cell, table
 
 HEADER = ("`material.preset`", "initial shear modulus, kPa", "data to stretch", "breaks at stretch")

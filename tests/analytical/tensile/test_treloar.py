@@ -13,7 +13,7 @@ import pytest
 from analytical.laws.isotropic import NeoHooke, OgdenSeries
 from analytical.tensile.fitting import best_fit, fit_law
 from analytical.tensile.measured import MaterialTest, nominal_stress_mpa
-from studies.scene.tensile import read_tests
+from studies.scene.silicones.tensile import read_tests
 
 KGF_PER_CM2 = 0.0980665  # MPa
 # Steinmann, Hossain and Possart 2012, as in thermalCANN, data/Treloar, and simcoon, examples/hyperelasticity.

@@ -10,7 +10,7 @@ from click.testing import CliRunner, Result
 
 from studies.__main__ import main
 from studies.scene.load import load_scene
-from studies.scene.silicones import presets
+from studies.scene.silicones.presets import presets
 
 DRAGON_SKIN_30 = "scenes/materials/dragon-skin-30.csv"
 

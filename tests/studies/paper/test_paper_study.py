@@ -16,7 +16,7 @@ from studies.paper.results import read_results
 from studies.progress import Progress
 from studies.results.run_files import SUMMARY_FILE
 from studies.scene.load import load_bellows
-from studies.scene.silicones import presets
+from studies.scene.silicones.presets import presets
 
 SMALL = "smoke-t2-ri5"
 LOW = {"load.pressure_kpa": [2.0], "ask.fields": False}

@@ -12,8 +12,8 @@ from studies.planning.warnings import stretch_warnings
 from studies.scene.load import load_scene
 from studies.scene.materials import OgdenMaterial, law_of
 from studies.scene.sections import SceneError
-from studies.scene.silicones import preset_material, preset_of, presets, with_laws
-from studies.scene.tensile import DIGITS, fits_of, material_of, read_tests
+from studies.scene.silicones.presets import preset_material, preset_of, presets, with_laws
+from studies.scene.silicones.tensile import DIGITS, fits_of, material_of, read_tests
 
 FITTED = {name: one for name, one in presets().items() if one.data}
 

@@ -17,7 +17,7 @@ from analytical.laws.isotropic import Law
 from studies.scene.materials import AnyMaterial, law_of
 from studies.scene.sections import SceneError
 
-PRESETS_FILE = Path(__file__).with_name("silicones.toml")
+PRESETS_FILE = Path(__file__).with_name("presets.toml")
 # Keys of a material beside its law, which go with a preset or with data.
 BESIDE = ("kappa_over_mu", "data_to_stretch")
 _MATERIAL: TypeAdapter[AnyMaterial] = TypeAdapter(AnyMaterial)
@@ -54,7 +54,7 @@ class Preset:
 
 @functools.cache
 def presets() -> dict[str, Preset]:
-    """The table of `silicones.toml`, in its order."""
+    """The table of `presets.toml`, in its order."""
     table = tomllib.loads(PRESETS_FILE.read_text(encoding="utf-8"))
     return {name: Preset(name=name, **row) for name, row in table.items()}
 
@@ -122,7 +122,12 @@ def _written_out(material: Mapping[str, Any], place: Path, key: str) -> Mapping[
     beside = {name: material[name] for name in BESIDE if name in material}
     if given == ["preset"]:
         return {**preset(material["preset"]).material, **beside}
-    from studies.scene.tensile import AUTO, fits_of, material_of, read_tests  # scipy, which every scene would pay
+    from studies.scene.silicones.tensile import (  # scipy, which every scene would pay
+        AUTO,
+        fits_of,
+        material_of,
+        read_tests,
+    )
 
     file, law, largest = material["data"], material.get("law", AUTO), material.get("data_to_stretch")
     if not isinstance(file, str) or not isinstance(law, str):

@@ -1,0 +1,1 @@
+"""Silicones: by name, and by tensile tests that a law is fitted to."""
