@@ -7,14 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from analytical.laws.isotropic import NeoHooke, Ogden, OgdenSeries, Yeoh
+from analytical.laws.isotropic import Law, NeoHooke, Ogden, OgdenSeries, Yeoh
 from analytical.laws.of_invariants import ArrudaBoyce, Gent, MooneyRivlin
 from analytical.laws.stability import MODES, stable_stretches
 from analytical.tensile.families import FAMILIES
 from analytical.tensile.fitting import FitError, best_fit, fit_law, relative_errors
 from analytical.tensile.measured import MaterialTest, MeasuredError, nominal_stress_mpa
 
-KNOWN = {
+KNOWN: dict[str, Law] = {
     "neo-hooke": NeoHooke(0.05),
     "mooney-rivlin-2": MooneyRivlin((0.02, 0.004)),
     "mooney-rivlin-3": MooneyRivlin((0.02, 0.004, 0.0003)),
