@@ -24,7 +24,8 @@ from studies.report.numbers import number_text
 from studies.report.tables import Table, table_of
 from studies.results.rows import Row, row
 from studies.scene.bodies import BodyScene
-from studies.verification import exact
+from studies.verification import exact, published
+from studies.verification.published import Benchmark
 
 # Two errors tell an order of convergence only above what Newton and the locating of crossings leave, relative.
 NOISE: Final = 1e-8
@@ -53,13 +54,16 @@ class Line:
     counted: str = "round"
 
 
-def cases(options: Mapping[str, Any]) -> list[BodyScene]:
-    """All scenes with a reference; users' meshes have none."""
-    return [scene for scene in exact.cases(options) if scene.geometry.kind != "mesh"]
+def cases(options: Mapping[str, Any]) -> list[BodyScene | Benchmark]:
+    """All scenes with a reference, users' meshes have none; and names of those with a published answer."""
+    with_reference = [scene for scene in exact.cases(options) if scene.geometry.kind != "mesh"]
+    return [*with_reference, *published.benchmarks()]
 
 
-def solve(scene: BodyScene, at: Setting) -> SceneResult[BodyScene]:
-    """Every model of a scene; its finished runs may be those of another folder."""
+def solve(scene: BodyScene | Benchmark, at: Setting) -> SceneResult[BodyScene]:
+    """Every model of a scene, whose finished runs may be those of another folder; of a published one the cheapest."""
+    if isinstance(scene, Benchmark):
+        return published.solve(scene, at)
     folder, reuse = at.out / scene.name, at.options["reuse"]
     if at.comm.rank == 0 and reuse is not None and not folder.exists() and (reuse / scene.name / SCENE_FILE).exists():
         shutil.copytree(reuse / scene.name, folder)
@@ -67,23 +71,33 @@ def solve(scene: BodyScene, at: Setting) -> SceneResult[BodyScene]:
     return exact.solve_all_models(scene, at)
 
 
-def page(solved: Sequence[Solved[BodyScene, SceneResult[BodyScene]]], at: Setting) -> Page:
-    """The table of the solved scenes, and of formulas by two routes."""
+def page(solved: Sequence[Solved[BodyScene | Benchmark, SceneResult[BodyScene]]], at: Setting) -> Page:
+    """The table of the solved scenes, of published answers, and of formulas by two routes."""
     lines: list[Line] = []
     compared: list[Row] = []
+    printed: list[Row] = []
     for scene, result in ((done.case, done.result) for done in solved):
+        if isinstance(scene, Benchmark):
+            printed += published.rows(result)
+            continue
         known = [row for row in result.rows if math.isfinite(row.reference)]
         lines += lines_of(known, counted_along(scene.geometry.kind))
         compared += known
     formulas = two_routes.all_routes()
     content = {
         "problems": problems(lines),
+        "published": published.table(printed),
         "formulas": two_routes.table(formulas),
         "worst": f"{max(one.difference for one in formulas):.1e}",
         "goal": f"{two_routes.GOAL:.0e}",
     }
-    rows = [*compared, *(_order_row(line) for line in lines if math.isfinite(line.order)), *two_routes.rows(formulas)]
-    return Page(rows, content, [f"{d.case.name}: {d.result.reason}" for d in solved if not d.result.reached])
+    rows = [
+        *compared,
+        *printed,
+        *(_order_row(line) for line in lines if math.isfinite(line.order)),
+        *two_routes.rows(formulas),
+    ]
+    return Page(rows, content, [f"{d.result.scene.name}: {d.result.reason}" for d in solved if not d.result.reached])
 
 
 def lines_of(compared: Sequence[Row], counted: str = "round") -> list[Line]:
