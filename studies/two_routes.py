@@ -23,12 +23,21 @@ from analytical.bellows.paper import PRINTED_PRESSURE_KPA, actuators
 from analytical.bellows.reading import CORRECTED
 from analytical.bellows.second_route import elongation_by_equations_mm, error_text
 from analytical.exact import compressible, cube, flexure, homogeneous, ring, sphere, torsion, tube
-from analytical.laws.isotropic import Law
+from analytical.laws.isotropic import Law, OgdenSeries
+from analytical.laws.of_invariants import ArrudaBoyce, Gent, MooneyRivlin
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
 from studies.report.tables import Table, table_of
 from studies.results.rows import Row, row
 
-LAWS: Final[dict[str, Law]] = {"Dragon Skin 10": DRAGON_SKIN_10, "Dragon Skin 30": dragon_skin_30("2mu/alpha^2")}
+# The paper's two, and one of every other law with a modulus like theirs.
+LAWS: Final[dict[str, Law]] = {
+    "Dragon Skin 10": DRAGON_SKIN_10,
+    "Dragon Skin 30": dragon_skin_30("2mu/alpha^2"),
+    "Mooney-Rivlin": MooneyRivlin((0.03, 0.005, 0.0004, 0.0003, 0.0001)),
+    "Gent": Gent(0.07, 30.0),
+    "Arruda-Boyce": ArrudaBoyce(0.07, 4.0),
+    "Ogden, 3 terms": OgdenSeries((0.06, 0.002, 0.01), (1.3, 5.0, -2.0), "2mu/alpha^2"),
+}
 # Two routes that differ by more than this are not two routes to the same thing.
 GOAL: Final = 1e-10
 # A wall as thick as the 2 mm actuator's root.

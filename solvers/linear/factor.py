@@ -64,6 +64,8 @@ class Factor:
         Negative pivots of the last one, if the tangent is symmetric.
     rung
         How far up LADDER the factorisation had to go for want of memory.
+    free_motions
+        So many motions may cost nothing, null pivots, which get no share of a solution and are not counted.
     """
 
     def __init__(self, problem: Factored) -> None:
@@ -73,6 +75,7 @@ class Factor:
         self.count = 0
         self.negatives = 0
         self.rung = 0
+        self.free_motions = 0
         self.solver: PETSc.KSP | None = None
 
     def _new_solver(self) -> PETSc.KSP:
@@ -125,8 +128,8 @@ class Factor:
         ------
         StepFailed
             If MUMPS fails for another reason than memory, or all that can be done about memory is done, or the tangent
-            is singular: neither its solutions nor its count of negative pivots would mean anything. The problem's state
-            is as it was.
+            is more singular than `free_motions`: neither its solutions nor its count of negative pivots would mean
+            anything. The problem's state is as it was.
         """
         grown = [term.grow() for term in self.problem.terms]
         if any(grown):
@@ -154,7 +157,7 @@ class Factor:
         assert self.solver is not None
         factor = self.solver.getPC().getFactorMatrix()
         self.negatives, free = factor.getMumpsInfog(12), factor.getMumpsInfog(28)
-        if free:
+        if free > self.free_motions:
             raise StepFailed(f"the tangent is singular: motions that cost nothing: {free}", Cause.LINEAR_SOLVER)
 
     @property

@@ -109,6 +109,27 @@ def follow_branch(
     direction = crossing.mode if mode is None else mode
     if direction is None:
         raise StepFailed(f"no critical mode is known at {1e3 * crossing.pressure_mpa:.6g} kPa, along which to look")
+    # At the crossing its modes cost nothing, and what breaks a symmetry of revolution may turn about the axis beyond.
+    factor.free_motions = max(1, crossing.modes_after - crossing.modes_before)
+    try:
+        return _follow(problem, factor, crossing, direction, highest_mpa, settings, until, progress, on_state)
+    finally:
+        factor.free_motions = 0
+
+
+def _follow(
+    problem: Problem,
+    factor: Factor,
+    crossing: Crossing,
+    direction: State,
+    highest_mpa: float,
+    settings: BranchSettings,
+    until: Callable[[PathState], bool] | None,
+    progress: Progress | None,
+    on_state: Callable[[PathState], None] | None,
+) -> Path:
+    """`follow_branch` along a direction."""
+    assert crossing.state is not None
     first = _first_state(problem, factor, crossing.state, direction, highest_mpa, settings)
     states = [first]
 

@@ -41,7 +41,8 @@ NEAR = 0.25
 STIFFNESS = 300.0
 # A rigid section needs a normal everywhere: its edge at the seat, covered by the bonded wall, is rounded a little, mm.
 SEAT_EDGE_MM = 0.05
-# The wall is bonded up to the seat's edge and touches the ring there by construction: contact fades in over this.
+# The wall is bonded up to the seat's edge and touches the ring there by construction: contact fades in over this,
+# beside a narrow seat over half of its width.
 FADE_MM = 0.5
 
 
@@ -84,9 +85,10 @@ def _ring_pairs(scene: BellowsScene, at: FloatArray) -> list[Against | Facing | 
     shape, rings = shape_of(scene), scene.rings
     low, high = shape.seat_radius_mm, shape.seat_radius_mm + rings.height_mm
     pairs: list[Against | Facing | Stop] = []
+    fade = min(FADE_MM, 0.5 * rings.seat_mm)
     for body, centre in enumerate(shape.crest_positions_mm.tolist()):
         section = RoundedBox(low, high, centre, 0.5 * rings.seat_mm, SEAT_EDGE_MM, rings.edge_radius_mm)
-        away = np.clip((np.abs(at[..., 1] - centre) - 0.5 * rings.seat_mm) / FADE_MM, 0.0, 1.0)
+        away = np.clip((np.abs(at[..., 1] - centre) - 0.5 * rings.seat_mm) / fade, 0.0, 1.0)
         pairs.append(Against("wall and ring", 1, section, body, away**2 * (3.0 - 2.0 * away)))
     flat = math.pi * ((high - rings.edge_radius_mm) ** 2 - low**2)
     for lower in range(len(shape.crest_positions_mm) - 1):

@@ -133,6 +133,11 @@ def test_part_that_floats_is_a_failed_step(strip, sides, make_problem) -> None:
         path = follow_path(problem, factor, [0.01], PathSettings())
         assert path.cause is Cause.LINEAR_SOLVER and not path.states
         assert "motions that cost nothing: 1" in path.reason and "every part of it" in path.reason
+        # beyond where a symmetry is broken one is expected: it is not counted, and has no share of the solution
+        factor.free_motions = 1
+        path = follow_path(problem, factor, [0.01], PathSettings())
+        assert path.reached and path.states[-1].newton.excess_negatives == 0
+        assert np.abs(path.states[-1].state.displacement_mm[shift:]).max() < 1e-12
 
 
 def test_path_without_memory_ends_with_its_last_state_and_says_so(bellows_problem, monkeypatch) -> None:
