@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from studies.report.labels import quantity_label, run_label
 from studies.results.provenance import ROOT
@@ -11,7 +12,7 @@ from studies.scene.load import kept_scene
 from studies.site.markdown import cell, table
 from studies.site.values import DOCS, rows_of
 
-SCENES = ROOT / "scenes" / "exact"
+SCENES, PUBLISHED = ROOT / "scenes" / "exact", ROOT / "scenes" / "published"
 _HEADER = ("quantity", "model and mesh", "load, kPa", "value", "±", "reference", "error, %")
 
 
@@ -22,12 +23,16 @@ def sheets() -> Iterator[tuple[str, str]]:
         of_scene.setdefault(row.scene, []).append(row)
     for path in sorted(SCENES.glob("*.toml")):
         if path.stem in of_scene:
-            yield path.stem, sheet(path.stem, of_scene[path.stem])
+            yield path.stem, sheet(path, of_scene[path.stem])
+    for path in sorted(PUBLISHED.glob("*.toml")):
+        if printed := [row for row in rows_of("verification") if row.scene == path.stem]:
+            yield path.stem, sheet(path, printed)
 
 
-def sheet(name: str, rows: Sequence[Row]) -> str:
-    """Markdown of a sheet."""
-    path = SCENES / f"{name}.toml"
+def sheet(path: Path, rows: Sequence[Row]) -> str:
+    """Markdown of the sheet of a scene."""
+    name, folder = path.stem, path.parent.name
+    exact = folder == SCENES.name
     text = path.read_text(encoding="utf-8")
     about = " ".join(line.lstrip("# ") for line in text.partition("name =")[0].splitlines())
     sources = sorted({row.source for row in rows if row.source})
@@ -38,10 +43,10 @@ def sheet(name: str, rows: Sequence[Row]) -> str:
         *_picture(name),
         "## Result",
         table(_HEADER, map(_line, rows)),
-        *_orders([row for row in rows_of("verification") if row.scene == name]),
+        *(_orders([row for row in rows_of("verification") if row.scene == name]) if exact else ()),
         "## The scene",
         f"```toml\n{text.rstrip()}\n```",
-        f"Run it: `.venv/bin/bellowsx solve scenes/exact/{name}.toml --out results/{name}`. All problems:"
+        f"Run it: `.venv/bin/bellowsx solve scenes/{folder}/{name}.toml --out results/{name}`. All problems:"
         " `make study-exact`, [report](../exact/report.md); table of all: [verification](../verification/report.md).",
     ]
     return "\n\n".join(parts) + "\n"
