@@ -21,7 +21,7 @@ from studies.site.values import ValueMissing, filled
 # What the theme would fetch for a search in files, and where it is instead.
 _FETCHED, _HERE = "https://unpkg.com/iframe-worker/shim", "assets/iframe-worker.js"
 # Reports hold numbers of their own, and braces that are none of ours.
-_REPORT = "report.md"
+_REPORT = "/report.md"
 
 
 def made_pages() -> Iterator[tuple[str, str]]:
@@ -52,8 +52,10 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
         raise PluginError(f"{page.file.src_uri}: {error}") from None
 
 
-def on_page_content(html: str, **_: Any) -> str:
+def on_page_content(html: str, page: Any, **_: Any) -> str:
     """Show formulas; options of commands that have no default say so."""
+    if "{{" in html and not page.file.src_uri.endswith(_REPORT):
+        raise PluginError(f"{page.file.src_uri}: a number was not filled in")
     return shown(html).replace("<code>Sentinel.UNSET</code>", "–")
 
 

@@ -93,7 +93,7 @@ def messages_page() -> str:
             (
                 ("0", "all requested loads reached, tolerance met, a study's bars met", "–"),
                 ("1", "an error that nobody expected, with a traceback", "report it, with the scene"),
-                ("2", "bad input; nothing was meshed, solved or overwritten", "mend what the message names"),
+                ("2", "bad input; nothing was meshed, solved or overwritten", "correct what the message names"),
                 (
                     "3",
                     "stopped early, tolerance not met, or a bar of a study not met; what there is is kept",
