@@ -103,7 +103,7 @@ def test_uncertainties_and_sets() -> None:
 
 def test_stress() -> None:
     report = (ROOT / "docs" / "stability" / "report.md").read_text(encoding="utf-8")
-    said = r"(\d+) runs along .* end in (\d+) answers right within 1 %, (\d+) named refusals, (\d+) named stops and no"
+    said = r"(\d+) runs along .* end in (\d+) answers right within 1 %, (\d+) inputs rejected, (\d+) runs stopped with"
     (counts,) = re.findall(said, README)
     assert f"| all |  | {' | '.join(counts)} | 0 |" in report
 
