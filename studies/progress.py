@@ -12,6 +12,8 @@ from studies.report.numbers import duration
 
 # Least time between two lines of a log, s.
 LOG_EVERY_S = 20.0
+# Share of a study's cases that say something of how long the others take: the first are often the largest.
+TELLING = 0.2
 
 
 class Progress:
@@ -32,6 +34,7 @@ class Progress:
         self._status: Status | None = None
         self._case = self._label = ""
         self._study = self._last = time.perf_counter()
+        self._cases = 0.0
         self._start = 0.0
         self._highest_mpa = 0.0
         self._share = 0.0
@@ -40,13 +43,21 @@ class Progress:
         """A study comes to one of its cases, counted from 1; what runs from now on belongs to it."""
         self._case = f"{name}, case {place} of {count}: "
         now = time.perf_counter()
+        self._cases = self._cases or now
         if self._comm.rank or (not self._on and now - self._last < LOG_EVERY_S) or self._status is not None:
             return
         self._last, so_far = now, now - self._study
         line = f"case {place} of {count}, {name}"
         if place > 1:
-            line += f"; {duration(so_far)} so far, about {duration(so_far / (place - 1) * (count - place + 1))} left"
+            line += f"; {duration(so_far)} so far"
+        if place - 1 >= TELLING * count:
+            line += f", about {duration((now - self._cases) / (place - 1) * (count - place + 1))} left"
         self._console.print(line, highlight=False, soft_wrap=True)
+
+    def tell(self, line: str) -> None:
+        """Say what a study does before its cases."""
+        if self._comm.rank == 0 and self._status is None:
+            self._console.print(line, highlight=False, soft_wrap=True)
 
     def begin(self, label: str, highest_mpa: float) -> None:
         """A run starts; it ends when the highest pressure is reached."""

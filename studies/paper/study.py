@@ -78,6 +78,7 @@ def prepare(chosen: Sequence[Case], at: Setting) -> list[str]:
     faults: list[str] = []
     for level in sorted({same[0][1] for same in alike.values()}):  # each starts from the states on the one before
         jobs = [same for same in alike.values() if same[0][1] == level]
+        at.progress.tell(f"axisymmetric runs on meridian level {level}: {len(jobs)}")
         faults += farm(jobs, at.comm, lambda same: _run_alike(same, at))
     farm([case for case in chosen if case.group == "sets"], at.comm, lambda case: _measure(case, at))
     return [fault for fault in faults if fault]

@@ -156,3 +156,14 @@ def test_a_log_has_the_cases_and_how_long_the_rest_may_take(monkeypatch: pytest.
     monkeypatch.setattr(progress, "LOG_EVERY_S", 60.0)
     shown.case(3, 3, "c3")
     assert capsys.readouterr().err == ""
+
+
+def test_the_first_of_many_cases_foretell_nothing(monkeypatch: pytest.MonkeyPatch, capsys) -> None:
+    monkeypatch.setattr(progress, "LOG_EVERY_S", 0.0)
+    shown = progress.Progress(MPI.COMM_SELF)
+    shown.tell("meridians: 12")
+    for place in (1, 2, 30):
+        shown.case(place, 100, f"c{place}")
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[0] == "meridians: 12"
+    assert lines[2].endswith("so far") and lines[3].endswith("left")
