@@ -88,10 +88,14 @@ def in_words(results: PaperResults) -> str:
             _off(results.variant(name, "public").tip(), results.named(name).tip("paper_experiment")) for name in names
         ]
         told.append(
-            f"{wall} mm walls at {HIGHEST_KPA:g} kPa against the paper's test: {' and '.join(printed)} with the "
-            f"printed constants, {' and '.join(public)} with those of public data."
+            f"{wall} mm walls at {HIGHEST_KPA:g} kPa against the paper's test: {_both(printed)} with the "
+            f"printed constants, {_both(public)} with those of public data."
         )
     return " ".join(told)
+
+
+def _both(told: list[str]) -> str:
+    return f"both {told[0]}" if len(set(told)) == 1 else " and ".join(told)
 
 
 def _off(row: Row, test: Row) -> str:
