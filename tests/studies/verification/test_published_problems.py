@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import dataclasses
 import math
 import re
@@ -193,3 +194,14 @@ def test_a_target_without_an_answer_is_told() -> None:
     (entry,) = published.rows(stopped)  # type: ignore[arg-type]
     assert math.isnan(entry.value) and entry.status == "stopped at 3 kPa" and entry.reference == target.target
     assert "stopped at 3 kPa" in str(published.table([entry]).rows)
+
+
+def test_a_bulge_begins_at_the_maximum_of_a_long_tube(tmp_path: Path) -> None:
+    at = engine.Setting(tmp_path, MPI.COMM_SELF, Progress(MPI.COMM_SELF), {})
+    published.solve(published.Benchmark("tube-bulge"), at)
+    with (tmp_path / published.KEPT / "tube-bulge" / "axisymmetric-r4" / "path.csv").open(encoding="utf-8") as file:
+        states = list(csv.DictReader(file))
+    rising, beyond = states[-2:]
+    assert rising["unstable_modes"] == "0" and float(rising["pressure_kpa"]) > 0.9999 * 5.40332
+    # half a percent past the maximum: the fall of the pressure itself, and waves along the axis at held volume
+    assert float(beyond["pressure_kpa"]) > 0.99 * 5.40332 and int(beyond["unstable_modes"]) > 1
