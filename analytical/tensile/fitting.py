@@ -29,6 +29,8 @@ from analytical.tensile.measured import MaterialTest, MeasuredError, nominal_str
 
 # States at which the moduli are held positive, in each test; and how positive, as a share of the initial ones.
 STATES, LEAST_MODULUS = 25, 1e-3
+# Of Ogden's exponents, in size: below it terms are logarithms that differ by round-off, and scenes refuse them.
+LEAST_ALPHA = 0.05
 PENALTIES = (1.0, 10.0, 100.0, 1e3, 1e4)
 # Relative error of constants that make no law.
 _FAR: Final = 1e6
@@ -137,6 +139,11 @@ def fit_law(tests: Sequence[MaterialTest], family: str, stable_to: float | None 
         law = _law(form, found, scale, family)
         if min(stable_stretches(law).values()) < to:
             raise FitError(f"{family}: no constants with positive moduli up to stretch {to:.3g} were found")
+    for name, value in zip(form.names, found, strict=True):
+        if name.startswith("alpha") and abs(value) < LEAST_ALPHA:
+            raise FitError(
+                f"{family}: the best exponent is {value:.2g}, a term that is nearly a logarithm: take fewer terms"
+            )
     r = residual(found)
     square = float(r @ r)
     units = np.where(form.moduli == 1.0, 1e3 * scale, 1.0)
@@ -171,7 +178,7 @@ def best_fit(tests: Sequence[MaterialTest], families: Iterable[str], stable_to: 
         except (FitError, MeasuredError) as error:
             faults.append(str(error))
     if not fits:
-        raise FitError("; ".join(faults))
+        raise FitError("; ".join(dict.fromkeys(faults)))
     return sorted(fits, key=lambda fit: fit.aicc)
 
 

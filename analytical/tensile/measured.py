@@ -9,7 +9,7 @@ import numpy as np
 
 from analytical.arrays import BoolArray, FloatArray
 from analytical.laws.isotropic import IsotropicLaw
-from analytical.laws.stability import MODES
+from analytical.laws.stability import LARGEST_STRETCH, MODES
 
 # Points of a test at least; two constants through one point are no fit.
 LEAST_POINTS: Final = 3
@@ -53,9 +53,11 @@ class MaterialTest:
             raise MeasuredError(f"{len(self.stretch)} stretches and {len(self.nominal_mpa)} stresses: one for each")
         if len(self.stretch) < LEAST_POINTS:
             raise MeasuredError(f"{len(self.stretch)} points of a {self.mode} test: give at least {LEAST_POINTS}")
-        if not (np.isfinite(self.stretch).all() and (self.stretch > 0.0).all()):
+        impossible = ~((self.stretch > 0.0) & (self.stretch < LARGEST_STRETCH))
+        if impossible.any():
             raise MeasuredError(
-                f"stretch = {self.stretch[~(self.stretch > 0.0)][:1]}: must be positive; 1 is undeformed"
+                f"stretch = {self.stretch[impossible][0]:g}: must be above 0 and below {LARGEST_STRETCH:g}, 1 is "
+                "undeformed; was a strain given in percent?"
             )
         if not np.isfinite(self.nominal_mpa).all():
             raise MeasuredError("a stress is not a finite number")

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
 import click
+from mpi4py import MPI
 
 from studies.command.common import JSON, examples, load_scenes, refuse, say
 from studies.report.tables import Table, as_text
@@ -42,7 +44,7 @@ def list_(as_json: bool) -> None:
     from studies.scene.silicones.presets import preset_material, presets
 
     if as_json:
-        say(json.dumps({name: asdict(one) for name, one in presets().items()}, indent=1))
+        say(_json({name: asdict(one) for name, one in presets().items()}))
         return
     lines = []
     for name, one in presets().items():
@@ -66,13 +68,14 @@ def show(what: str, picture: Path | None, as_json: bool) -> None:
     from studies.planning.warnings import law_range
     from studies.scene.materials import describe_material, law_of
 
+    _check_picture(picture)
     of, told = _material(what)
     law = law_of(of)
     curves = stress_curves(law, np.array(STRETCHES))
     modulus = 1e3 * law.initial_shear_modulus_mpa
     stresses = {mode: 1e3 * curves.nominal_mpa[mode] for mode in MODES}
     if picture is not None:
-        _draw(picture, what, law, what, of.data_to_stretch)
+        _draw(picture, what, law, of.data_to_stretch)
     if as_json:
         content: dict[str, Any] = {
             "law": of.model_dump(mode="json"),
@@ -81,7 +84,7 @@ def show(what: str, picture: Path | None, as_json: bool) -> None:
             "stretch": list(STRETCHES),
             "nominal_stress_kpa": {mode: values.tolist() for mode, values in stresses.items()},
         }
-        say(json.dumps(content, indent=1))
+        say(_json(content))
         return
     say("\n".join(line for line in (describe_material(of), law_range(of), *told) if line))
     say(f"initial shear modulus {modulus:.4g} kPa, initial Young's modulus {3.0 * modulus:.4g} kPa")
@@ -95,11 +98,12 @@ def show(what: str, picture: Path | None, as_json: bool) -> None:
 @WHAT
 @click.option("--out", type=click.Path(path_type=Path), help="PNG to write [PRESET.png].")
 def plot(what: str, out: Path | None) -> None:
-    """Draw nominal stress over stretch, beside what the law was fitted to."""
+    """Draw nominal stress over stretch; of a silicone beside what the law was fitted to."""
+    _check_picture(out)
     from studies.scene.materials import law_of
 
     of, _ = _material(what)
-    _draw(out or Path(f"{Path(what).stem}.png"), what, law_of(of), what, of.data_to_stretch)
+    _draw(out or Path(f"{Path(what).stem}.png"), what, law_of(of), of.data_to_stretch)
 
 
 @material.command(
@@ -137,6 +141,7 @@ def fit(
     from analytical.tensile.measured import MeasuredError
     from studies.scene.silicones.tensile import fits_of, material_of, read_tests, up_to
 
+    _check_picture(picture)
     try:
         tests = up_to([test for file in data for test in read_tests(file, "data")], to_stretch)
         fits = fits_of(tests, law, stable_to)
@@ -164,14 +169,12 @@ def fit(
                 "worst_percent": 100.0 * one.worst,
                 "aicc": one.aicc,
                 "points": one.points,
-                "stable_to": {
-                    mode: (None if value == float("inf") else value) for mode, value in one.stable_to.items()
-                },
+                "stable_to": one.stable_to,
                 "held": one.held,
             }
             for one in fits
         ]
-        say(json.dumps(found, indent=1))
+        say(_json(found))
         return
     lines = [
         (
@@ -216,7 +219,7 @@ def _material(what: str) -> tuple[Any, list[str]]:
     return scene.material, []
 
 
-def _draw(path: Path, label: str, law: Any, what: str, to_stretch: float | None) -> None:
+def _draw(path: Path, what: str, law: Any, to_stretch: float | None) -> None:
     from studies.report.pictures.stress_curves import draw_stress_curves
     from studies.results.provenance import ROOT
     from studies.scene.silicones.presets import presets
@@ -225,12 +228,33 @@ def _draw(path: Path, label: str, law: Any, what: str, to_stretch: float | None)
     one = presets().get(what)
     largest = to_stretch or 4.0
     tests = up_to(read_tests(ROOT / one.data), 1.001 * largest) if one is not None and one.data else []
-    _written(path, lambda: draw_stress_curves(path, {label: law}, tests, 1.05 * largest))
+    _written(path, lambda: draw_stress_curves(path, {what: law}, tests, 1.05 * largest))
+
+
+def _check_picture(path: Path | None) -> None:
+    """Refuse a picture that cannot be written before anything is fitted."""
+    if path is not None and path.suffix.lower() != ".png":
+        refuse(f"{path}: a picture is a PNG: give it a name that ends in .png")
 
 
 def _written(path: Path, work: Any) -> None:
+    if MPI.COMM_WORLD.rank:
+        return
     try:
         work()
     except OSError as error:
         refuse(f"{path}: cannot be written ({error.strerror})")
     say(f"picture: {path}", err=True)
+
+
+def _json(content: Any) -> str:
+    """JSON text; what is not finite is null."""
+
+    def told(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: told(inner) for key, inner in value.items()}
+        if isinstance(value, list | tuple):
+            return [told(inner) for inner in value]
+        return None if isinstance(value, float) and not math.isfinite(value) else value
+
+    return json.dumps(told(content), indent=1, allow_nan=False)

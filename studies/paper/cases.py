@@ -11,6 +11,7 @@ from analytical.bellows.paper import FAMILIES, PRINTED_PRESSURE_KPA, PaperActuat
 from studies.planning.levels import MERIDIANS, BodyLevel
 from studies.results import provenance
 from studies.scene.dimension_sets import SETS_FILE, SLOTS, read_sets
+from studies.scene.silicones.presets import presets
 from studies.scene.text import changed_text
 
 Group = Literal[
@@ -191,7 +192,7 @@ def _materials() -> Iterator[Case]:
     for base in THIN:
         yield _variant("silicone", base, "in-30", "in Dragon Skin 30", {"material": DRAGON_SKIN_30})
     for actuator in REFERENCE:
-        of_data = {"material": {"preset": actuator.silicone}}
+        of_data = {"material": dict(presets()[actuator.silicone].material)}
         yield _variant("public", actuator.name, "public", "constants from public data", of_data)
 
 

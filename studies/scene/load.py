@@ -50,7 +50,18 @@ def load_bellows(path: Path) -> BellowsScene:
     SceneError
         As from `load_scene`.
     """
-    return validated(BellowsScene, _completed(read_toml(path), path), path, bellows_faults)
+    return bellows_from(read_toml(path), path)
+
+
+def bellows_from(data: dict[str, Any], path: Path) -> BellowsScene:
+    """Check a bellows' scene of which there are the contents of its file; ``path`` as in `scene_from`.
+
+    Raises
+    ------
+    SceneError
+        As from `load_scene`.
+    """
+    return validated(BellowsScene, _completed(data, path), path, bellows_faults)
 
 
 def kept_scene(path: Path) -> Scene:

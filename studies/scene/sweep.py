@@ -20,7 +20,6 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
-import tempfile
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -28,7 +27,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from studies.scene.bellows import BellowsScene
-from studies.scene.load import load_bellows
+from studies.scene.load import bellows_from, load_bellows
 from studies.scene.sections import SceneError, Section, read_toml, validated
 from studies.scene.text import changed_text
 
@@ -101,7 +100,7 @@ def read_sweep(file: Path) -> list[Variant]:
         for values in _combinations(block, sweep.combine):
             changes = dict(zip(block, values, strict=True))
             name = f"{named[:60]}-{_digest(changes)}"
-            found.setdefault(name, _variant(name, text, {**changes, **requested}, keys))
+            found.setdefault(name, _variant(name, text, base.resolve().parent, {**changes, **requested}, keys))
     refusals = dict.fromkeys(variant.refusal for variant in found.values())
     if all(refusals):
         raise SceneError("\n".join(f"{file}: every scene is refused: {reason}" for reason in refusals))
@@ -161,7 +160,7 @@ def _digest(changes: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(changes, sort_keys=True).encode()).hexdigest()[:10]
 
 
-def _variant(name: str, base: str, changes: Mapping[str, Any], keys: list[str]) -> Variant:
+def _variant(name: str, base: str, place: Path, changes: Mapping[str, Any], keys: list[str]) -> Variant:
     """A scene with changes, or why it is refused."""
     try:
         text = changed_text(base, name, changes)
@@ -169,13 +168,11 @@ def _variant(name: str, base: str, changes: Mapping[str, Any], keys: list[str]) 
         # a key that leads through a number: no scene has it
         return Variant(name, {key: changes.get(key) for key in keys}, base, None, f"no such key among {list(changes)}")
     values = {key: _value(tomllib.loads(text), key) for key in keys}
-    with tempfile.TemporaryDirectory() as folder:  # the scene's own folder is made when it is run
-        path = Path(folder, "scene.toml")
-        path.write_text(text, encoding="utf-8")
-        try:
-            return Variant(name, values, text, load_bellows(path), "")
-        except SceneError as error:
-            return Variant(name, values, text, None, str(error).replace(f"{path}: ", "").replace("\n", "; "))
+    path = place / "scene.toml"  # which is not there: files beside the base are found from it
+    try:
+        return Variant(name, values, text, bellows_from(tomllib.loads(text), path), "")
+    except SceneError as error:
+        return Variant(name, values, text, None, str(error).replace(f"{path}: ", "").replace("\n", "; "))
 
 
 def _value(data: Any, key: str) -> Any:

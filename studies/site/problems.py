@@ -46,8 +46,9 @@ def sheet(path: Path, rows: Sequence[Row]) -> str:
         *(_orders([row for row in rows_of("verification") if row.scene == name]) if exact else ()),
         "## The scene",
         f"```toml\n{text.rstrip()}\n```",
-        f"Run it: `.venv/bin/bellowsx solve scenes/{folder}/{name}.toml --out results/{name}`. All problems:"
-        " `make study-exact`, [report](../exact/report.md); table of all: [verification](../verification/report.md).",
+        f"Run it: `.venv/bin/bellowsx solve scenes/{folder}/{name}.toml --out results/{name}`."
+        + (" All problems: `make study-exact`, [report](../exact/report.md);" if exact else "")
+        + " Table of all: `make study-verification`, [verification](../verification/report.md).",
     ]
     return "\n\n".join(parts) + "\n"
 

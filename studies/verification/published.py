@@ -57,7 +57,12 @@ class Target:
 class Benchmark:
     """A scene with printed answers, as a case of the study."""
 
-    name: str
+    scene: str
+
+    @property
+    def name(self) -> str:
+        """Its name among the cases, of which another may be of the same scene."""
+        return f"published {self.scene}"
 
 
 def benchmarks() -> list[Benchmark]:
@@ -83,11 +88,11 @@ def targets() -> list[Target]:
 
 def solve(case: Benchmark, at: Setting) -> SceneResult[BodyScene]:
     """Solve a scene of the table."""
-    path = next(folder / f"{case.name}.toml" for folder in FOLDERS if (folder / f"{case.name}.toml").exists())
+    path = next(folder / f"{case.scene}.toml" for folder in FOLDERS if (folder / f"{case.scene}.toml").exists())
     scene = load_scene(path)
     assert isinstance(scene, BodyScene)
     return run_plan(
-        scene, path.read_text(encoding="utf-8"), make_plan(scene), at.out / KEPT / case.name, at.comm, at.progress
+        scene, path.read_text(encoding="utf-8"), make_plan(scene), at.out / KEPT / case.scene, at.comm, at.progress
     )
 
 

@@ -30,6 +30,7 @@ def draw_stress_curves(path: Path, laws: Mapping[str, Law], tests: Sequence[Mate
         Right end of the curves; a law that softens is drawn as far as it is stable.
     """
     done = list(dict.fromkeys(test.mode for test in tests))
+    least = min([1.0, *(float(test.stretch.min()) for test in tests)])
     with figure_file(path, 6.6, 5.6 if tests else 4.2) as figure:
         rows = figure.subplots(
             2 if tests else 1, 1, sharex=True, squeeze=False, height_ratios=(2.6, 1.0)[: 2 if tests else 1]
@@ -40,7 +41,7 @@ def draw_stress_curves(path: Path, laws: Mapping[str, Law], tests: Sequence[Mate
             for mode, dash in zip(MODES, ("-", "--", ":"), strict=True):
                 if done and mode not in done and label != next(iter(laws)):
                     continue
-                stretch = np.linspace(1.0, min(to_stretch, limits[mode]), 200)
+                stretch = np.linspace(least, min(to_stretch, limits[mode]), 200)
                 named = label if mode == (done or list(MODES))[0] else None
                 upper.plot(
                     stretch,
@@ -64,9 +65,9 @@ def draw_stress_curves(path: Path, laws: Mapping[str, Law], tests: Sequence[Mate
             for law, style in zip(laws.values(), CURVES, strict=False):
                 off = 100.0 * (nominal_stress_mpa(law, test.mode, test.stretch) / test.nominal_mpa - 1.0)
                 rows[1, 0].plot(test.stretch, off, MARKS[test.mode], color=style["color"], markersize=3.0)
-        seen = [1e3 * float(test.nominal_mpa.max()) for test in tests]
-        if seen:
-            upper.set_ylim(0.0, 1.25 * max(seen))
+        seen = [0.0, *(1e3 * float(stress) for test in tests for stress in test.nominal_mpa)]
+        if tests:
+            upper.set_ylim(1.25 * min(seen), 1.25 * max(seen) or 0.1 * max(map(abs, seen)))
             rows[1, 0].axhline(0.0, color=GREY, linewidth=0.8)
             rows[1, 0].set_ylabel("law − measured, %")
             grid(rows[1, 0])

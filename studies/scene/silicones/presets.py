@@ -130,11 +130,11 @@ def _written_out(material: Mapping[str, Any], place: Path, key: str) -> Mapping[
     )
 
     file, law, largest = material["data"], material.get("law", AUTO), material.get("data_to_stretch")
-    if not isinstance(file, str) or not isinstance(law, str):
+    if not isinstance(file, str):
         raise SceneError(f"{key}.data = {file!r}: must be the name of a CSV file, found from where the scene is")
     if largest is not None and not (isinstance(largest, int | float) and largest > 1.0):
         raise SceneError(f"{key}.data_to_stretch = {largest!r}: must be a number above 1")
-    return {**material_of(fits_of(read_tests(place / file, f"{key}.data"), law, None, largest)[0]), **beside}
+    return {**material_of(fits_of(read_tests(place / file, f"{key}.data"), law, None, largest, key)[0]), **beside}
 
 
 def with_laws(text: str, materials: Mapping[str, AnyMaterial]) -> str:
@@ -143,19 +143,16 @@ def with_laws(text: str, materials: Mapping[str, AnyMaterial]) -> str:
     Parameters
     ----------
     text
-        The file's.
+        The file's; without comments where a law is put in, for tables can be written in many ways.
     materials
         By their keys: "material", and "materials.NAME".
     """
-    document = tomlkit.parse(text)
+    scene = tomllib.loads(text)
     changed = False
     for key, material in materials.items():
-        table: Any = document
-        for part in key.split(".", 1):
-            table = table.get(part, {})
-        for name in ("preset", "data"):
-            if name in table:
-                table.pop(name)
-                table.update(material.model_dump(exclude_unset=True))
-                changed = True
-    return tomlkit.dumps(document) if changed else text
+        *above, last = key.split(".", 1)
+        holder = scene.get(above[0], {}) if above else scene
+        if isinstance(holder.get(last), dict) and not holder[last].keys().isdisjoint(("preset", "data")):
+            holder[last] = material.model_dump(exclude_unset=True)
+            changed = True
+    return tomlkit.dumps(scene) if changed else text

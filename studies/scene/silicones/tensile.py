@@ -49,7 +49,7 @@ def read_tests(path: Path, key: str = "material.data") -> list[MaterialTest]:
     where = f"{key} = {str(path)!r}"
     try:
         text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:
         raise SceneError(f"{where}: cannot be read ({error})") from None
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
     delimiter = max(DELIMITERS, key=lines[0].count) if lines else ","
@@ -67,7 +67,10 @@ def read_tests(path: Path, key: str = "material.data") -> list[MaterialTest]:
 
     stretch = STRETCHES[along[0]](column(along[0]))
     nominal = STRESSES[across[0]] * column(across[0]) / (stretch if across[0].startswith("true") else 1.0)
-    given = [line[header.index("mode")].replace("_", " ") for line in table[1:]] if "mode" in header else []
+    if len(table) < 2:
+        raise SceneError(f"{where}: a header and no line of numbers")
+    place = header.index("mode") if "mode" in header else -1
+    given = [line[place].replace("_", " ") if place < len(line) else "" for line in table[1:]] if place >= 0 else []
     modes = np.array(given or ["uniaxial"] * len(stretch))
     weights = column("weight") if "weight" in header else np.ones(len(stretch))
     try:
@@ -107,7 +110,7 @@ def up_to(tests: Sequence[MaterialTest], stretch: float | None) -> list[Material
     return kept
 
 
-def families_of(law: str) -> list[str]:
+def families_of(law: object, key: str = "material") -> list[str]:
     """Names of `FAMILIES` that a law's name stands for: "yeoh" for all numbers of terms, "auto" for all.
 
     Raises
@@ -115,14 +118,18 @@ def families_of(law: str) -> list[str]:
     SceneError
         For a name that stands for none.
     """
-    found = [name for name in FAMILIES if law in (AUTO, name) or name.startswith(f"{law}-")]
+    found = [name for name in FAMILIES if law in (AUTO, name, name.rstrip("0123456789-"))]
     if not found:
-        raise SceneError(f"material.law = {law!r}: fitted are {AUTO}, {', '.join(FAMILIES)}, or without the number")
+        raise SceneError(f"{key}.law = {law!r}: fitted are {AUTO}, {', '.join(FAMILIES)}, or without the number")
     return found
 
 
 def fits_of(
-    tests: Sequence[MaterialTest], law: str = AUTO, stable_to: float | None = None, largest: float | None = None
+    tests: Sequence[MaterialTest],
+    law: object = AUTO,
+    stable_to: float | None = None,
+    largest: float | None = None,
+    key: str = "material",
 ) -> list[Fit]:
     """Laws fitted to tests, the best first.
 
@@ -137,19 +144,21 @@ def fits_of(
         Stretch to which moduli must be positive; None for the data's largest.
     largest
         Points beyond this stretch are left out.
+    key
+        Of the material, for messages.
 
     Raises
     ------
     SceneError
         If none can be fitted.
     """
-    names = families_of(law)
+    names = families_of(law, key)
     if law == AUTO and len({test.mode for test in tests}) == 1:
         names = [name for name in names if FAMILIES[name].one_test]
     try:
         return best_fit(up_to(tests, largest), names, stable_to)
     except (FitError, MeasuredError) as error:
-        raise SceneError(f"material.data: {error}") from None
+        raise SceneError(f"{key}.data: {error}") from None
 
 
 def material_of(fit: Fit) -> dict[str, Any]:

@@ -89,7 +89,8 @@ def test_the_best_law_is_the_one_the_data_are_of() -> None:
         assert (
             fits[0].family == family or fits[0].aicc > fit_law(measured(KNOWN[family], scatter=0.01), family).aicc - 4.0
         )
-        assert [fit.aicc for fit in fits] == sorted(fit.aicc for fit in fits)
+    worst = best_fit(measured(KNOWN["gent"], scatter=0.01), FAMILIES)[-1]
+    assert worst.aicc > fit_law(measured(KNOWN["gent"], scatter=0.01), "gent").aicc + 50.0
 
 
 def test_a_free_fit_that_softens_is_held_to_positive_moduli() -> None:
@@ -109,7 +110,7 @@ def test_a_free_fit_that_softens_is_held_to_positive_moduli() -> None:
         ("tension", [1.1, 1.2, 1.3], [1.0, 2.0, 3.0], "say one of uniaxial"),
         ("uniaxial", [1.1, 1.2], [1.0, 2.0], "give at least 3"),
         ("uniaxial", [1.1, 1.2, 1.3], [1.0, 2.0], "one for each"),
-        ("uniaxial", [1.1, -1.2, 1.3], [1.0, 2.0, 3.0], "must be positive"),
+        ("uniaxial", [1.1, -1.2, 1.3], [1.0, 2.0, 3.0], "must be above 0"),
         ("uniaxial", [1.1, 1.2, 1.3], [1.0, math.nan, 3.0], "not a finite number"),
         ("uniaxial", [1.1, 1.2, 1.3], [-1.0, 2.0, 3.0], "zero the curve first"),
     ],

@@ -123,7 +123,7 @@ def scaled(law: Law, factor: float) -> Law:
         if field.name.endswith("_mpa"):
             changed[field.name] = tuple(factor * v for v in value) if isinstance(value, tuple) else factor * value
     assert changed
-    return dataclasses.replace(law, **changed)
+    return dataclasses.replace(law, **changed)  # type: ignore[arg-type]
 
 
 @every_law

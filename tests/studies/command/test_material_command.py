@@ -78,6 +78,7 @@ def test_fit_tells_programs_covariance_and_ranges(root: Path) -> None:
         ([DRAGON_SKIN_30, "--law", "hooke"], "material.law = 'hooke': fitted are auto"),
         ([DRAGON_SKIN_30, "--to-stretch", "1.12"], "give at least 3"),
         ([DRAGON_SKIN_30, "--picture", "README.md/a.png"], "README.md/a.png: cannot be written"),
+        ([DRAGON_SKIN_30, "--picture", "fit.pdf"], "fit.pdf: a picture is a PNG"),
     ],
 )
 def test_fit_refuses(root: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], message: str) -> None:
@@ -85,3 +86,19 @@ def test_fit_refuses(root: Path, monkeypatch: pytest.MonkeyPatch, arguments: lis
     done = invoke("fit", *arguments)
     assert done.exit_code == 2
     assert message in done.output
+
+
+def test_json_has_no_number_that_is_none() -> None:
+    def forbidden(name: str) -> float:
+        raise AssertionError(name)
+
+    found = json.loads(invoke("show", "dragon-skin-30", "--json").output, parse_constant=forbidden)
+    assert found["law"]["kappa_over_mu"] is None
+
+
+def test_a_test_that_was_only_pushed_is_drawn_where_it_is(tmp_path: Path) -> None:
+    data = tmp_path / "pushed.csv"
+    lines = [f"{s},{50.0 * (s - s**-2)}" for s in (0.95, 0.9, 0.85, 0.8, 0.7, 0.6)]
+    data.write_text("stretch,nominal_kpa\n" + "\n".join(lines), encoding="utf-8")
+    done = invoke("fit", data, "--picture", tmp_path / "pushed.png", "--json")
+    assert done.exit_code == 0 and (tmp_path / "pushed.png").stat().st_size > 10_000

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +16,7 @@ from studies.scene.materials import OgdenMaterial, law_of
 from studies.scene.sections import SceneError
 from studies.scene.silicones.presets import preset_material, preset_of, presets, with_laws
 from studies.scene.silicones.tensile import DIGITS, fits_of, material_of, read_tests
+from studies.scene.sweep import read_sweep
 
 FITTED = {name: one for name, one in presets().items() if one.data}
 
@@ -103,6 +106,33 @@ def test_what_is_kept_needs_no_other_file(scene, tmp_path: Path) -> None:
     assert with_laws(plain, {"material": loaded.material}) == plain
 
 
+@pytest.mark.parametrize(
+    "material",
+    [
+        'material = {preset = "rtv615", kappa_over_mu = 20.0}',
+        'material.preset = "rtv615"\nmaterial.kappa_over_mu = 20.0',
+        '[material]\npreset = "rtv615"\nkappa_over_mu = 20.0\n',
+    ],
+)
+def test_a_law_is_put_in_however_the_table_is_written(material: str) -> None:
+    text = f'name = "a"\n{material}\n'
+    of = preset_material(presets()["rtv615"]).model_copy(update={"kappa_over_mu": 20.0})
+    kept = tomllib.loads(with_laws(text, {"material": of}))
+    assert kept["name"] == "a" and "preset" not in kept["material"]
+    assert preset_material(dataclasses.replace(presets()["rtv615"], material=kept["material"])) == of
+    several = tomllib.loads(with_laws(f"materials.a.preset = 'rtv615'\n{text}", {"materials.a": of, "material": of}))
+    assert several["materials"]["a"]["law"] == several["material"]["law"] == "yeoh"
+
+
+def test_data_beside_the_base_of_a_sweep_are_found(root: Path, scene, data, tmp_path: Path) -> None:
+    data((root / FITTED["dragon-skin-30"].data).read_text(encoding="utf-8"))
+    scene('data = "tensile.csv"\ndata_to_stretch = 4')
+    file = tmp_path / "walls.toml"
+    file.write_text('base = "own.toml"\n[[vary]]\ngeometry.wall_mm = [1.5, 2.0]\n', encoding="utf-8")
+    variants = read_sweep(file)
+    assert [variant.refusal for variant in variants] == ["", ""]
+
+
 def test_stretches_beyond_a_preset_s_data_and_break_are_told(scene) -> None:
     loaded = load_scene(scene('preset = "dragon-skin-30"'))
     (breaks, beyond) = stretch_warnings(loaded, [(10.0, 2.0), (20.0, 5.0)])
@@ -120,6 +150,8 @@ def test_stretches_beyond_a_preset_s_data_and_break_are_told(scene) -> None:
         ('data = "none.csv"', "none.csv'?: cannot be read"),
         ("data = 3", "material.data = 3: must be the name of a CSV file"),
         ('data = "tensile.csv"\nlaw = "hooke"', "material.law = 'hooke': fitted are auto, neo-hooke"),
+        ('data = "tensile.csv"\nlaw = "neo"', "material.law = 'neo': fitted are"),
+        ('data = "tensile.csv"\nlaw = 3', "material.law = 3: fitted are"),
         ('data = "tensile.csv"\ndata_to_stretch = 0.5', "material.data_to_stretch = 0.5: must be a number above 1"),
         ('data = "tensile.csv"\ndata_to_stretch = 1.15', "points of a uniaxial test: give at least 3"),
     ],
@@ -183,6 +215,9 @@ def test_one_kind_of_test_chooses_among_laws_that_it_tells_all_of(data) -> None:
         (table("stretch,nominal_kpa", STRETCH, NOMINAL_KPA).replace("1.1,", "1;1,"), "is no number"),
         (table("stretch,nominal_kpa", STRETCH, NOMINAL_KPA).replace("1.1,", "x,"), "'x' in the line .* is no number"),
         (table("stretch,nominal_kpa", STRETCH, -NOMINAL_KPA), "zero the curve first"),
+        (table("strain,nominal_kpa", 100.0 * (STRETCH - 1.0), NOMINAL_KPA), "was a strain given in percent?"),
+        ("stretch,nominal_kpa", "a header and no line of numbers"),
+        ("stretch,nominal_kpa,mode\n1.1,3,uniaxial\n1.2,4\n1.3,5,uniaxial\n1.4,6,uniaxial", "mode = '': say one of"),
     ],
 )
 def test_a_file_that_is_no_test_is_refused(data, text: str, message: str) -> None:
