@@ -76,13 +76,13 @@ def test_results_of_another_scene_are_not_read_with_those_of_this_one(sphere, tm
     left = tmp_path / "axisymmetric-r3"  # a level that the scene has none of
     run(sphere, left)
     other, comm, progress = thicker(sphere), MPI.COMM_SELF, Progress(MPI.COMM_SELF)
-    made = run_plan(other, "other", make_plan(other, "axisymmetric"), tmp_path, comm, progress)
+    made = run_plan(other, "# other", make_plan(other, "axisymmetric"), tmp_path, comm, progress)
     assert "r3" not in {found.summary.level for found in made.runs} and left.exists()
     found = read_scene_folder(other, tmp_path)
     assert [one.summary for one in found.runs] == [one.summary for one in made.runs]
     # the same again leaves what is there
     kept = {file: file.stat().st_mtime_ns for file in tmp_path.glob(f"*-*/{SUMMARY_FILE}")}
-    run_plan(other, "other", make_plan(other, "axisymmetric"), tmp_path, comm, progress)
+    run_plan(other, "# other", make_plan(other, "axisymmetric"), tmp_path, comm, progress)
     assert kept == {file: file.stat().st_mtime_ns for file in tmp_path.glob(f"*-*/{SUMMARY_FILE}")}
 
 
@@ -94,5 +94,5 @@ def test_scene_beside_results_is_the_old_or_the_new_one(sphere, tmp_path: Path, 
 
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(OSError, match="No space left on device"):
-        run_plan(sphere, "new", make_plan(sphere, "axisymmetric"), tmp_path, MPI.COMM_SELF, Progress(MPI.COMM_SELF))
+        run_plan(sphere, "# new", make_plan(sphere, "axisymmetric"), tmp_path, MPI.COMM_SELF, Progress(MPI.COMM_SELF))
     assert (tmp_path / SCENE_FILE).read_text(encoding="utf-8") == "old"
