@@ -110,7 +110,8 @@ def principal_stresses_mpa(
 
 def cauchy_stress_mpa(law: IsotropicLaw, mode: Mode, stretch: ArrayLike) -> FloatArray:
     """Cauchy stress along l (force per deformed area), MPa; shape of `stretch`."""
-    return principal_stresses_mpa(law, path_stretches(mode, stretch), 2)[0]
+    along, across, free = path_stretches(mode, stretch)
+    return law.stress_difference(along, free, across)
 
 
 def nominal_stress_mpa(law: IsotropicLaw, mode: Mode, stretch: ArrayLike) -> FloatArray:

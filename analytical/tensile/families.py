@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from analytical.arrays import FloatArray
+from analytical.arrays import BoolArray, FloatArray
 from analytical.laws.isotropic import Law, NeoHooke, Ogden, OgdenSeries, Yeoh
 from analytical.laws.of_invariants import ArrudaBoyce, Gent, MooneyRivlin
 
@@ -42,13 +42,13 @@ class Family:
     one_test: bool = True
 
     @property
-    def moduli(self) -> FloatArray:
-        """One where a constant is a modulus, zero where it is a number, shape (k,)."""
-        return np.array([float(name.endswith("_kpa")) for name in self.names])
+    def moduli(self) -> BoolArray:
+        """True where a constant is a modulus, False where it is a number, shape (k,)."""
+        return np.array([name.endswith("_kpa") for name in self.names])
 
     def law(self, constants: FloatArray, scale_mpa: float) -> Law:
         """The law of a vector in units of the data's modulus."""
-        return self.make([float(c) for c in constants * np.where(self.moduli == 1.0, scale_mpa, 1.0)])
+        return self.make([float(c) for c in constants * np.where(self.moduli, scale_mpa, 1.0)])
 
 
 _MOST: Final = 1e3
@@ -106,3 +106,8 @@ FAMILIES: Final[dict[str, Family]] = {
     "ogden-2": _ogden([[1.5, 5.0], [2.0, 8.0], [1.3, -2.0], [3.0, -3.0]]),
     "ogden-3": _ogden([[1.3, 5.0, -2.0], [1.5, 6.0, -1.0], [2.0, 4.0, 10.0]]),
 }
+
+
+def law_name(family: str) -> str:
+    """What a family's law is called in scenes, without the number of its terms."""
+    return family.rstrip("0123456789-")

@@ -21,16 +21,18 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from analytical.arrays import FloatArray
+from analytical.exact.homogeneous import nominal_stress_mpa
 from analytical.laws.errors import MaterialError
 from analytical.laws.isotropic import Law
 from analytical.laws.stability import MODES, stable_stretches
 from analytical.tensile.families import FAMILIES, Family
-from analytical.tensile.measured import MaterialTest, MeasuredError, nominal_stress_mpa
+from analytical.tensile.measured import MaterialTest, MeasuredError
 
 # States at which the moduli are held positive, in each test; and how positive, as a share of the initial ones.
 STATES, LEAST_MODULUS = 25, 1e-3
 # Of Ogden's exponents, in size: below it terms are logarithms that differ by round-off, and scenes refuse them.
 LEAST_ALPHA = 0.05
+# Weights of what the moduli lack, one after another.
 PENALTIES = (1.0, 10.0, 100.0, 1e3, 1e4)
 # Relative error of constants that make no law.
 _FAR: Final = 1e6
@@ -60,7 +62,7 @@ class Fit:
     points
         Number of points.
     data_to_stretch
-        Largest stretch of the data; of a test that was pushed only, its inverse square root.
+        Largest principal stretch of the data, also of what was pushed.
     stable_to
         By test, the stretch at which the law softens; infinite where it does not.
     held
@@ -146,20 +148,20 @@ def fit_law(tests: Sequence[MaterialTest], family: str, stable_to: float | None 
             )
     r = residual(found)
     square = float(r @ r)
-    units = np.where(form.moduli == 1.0, 1e3 * scale, 1.0)
+    units = np.where(form.moduli, 1e3 * scale, 1.0)
     return Fit(
-        family,
-        law,
-        form.names,
-        found * units,
-        _covariance(residual, found, square / (points - count)) * np.outer(units, units),
-        math.sqrt(square / float(weight @ weight)),
-        float(np.abs(relative_errors(law, loaded)).max()),
-        points * math.log(max(square / points, 1e-300)) + 2.0 * count * points / (points - count - 1),
-        points,
-        largest_stretch(loaded),
-        dict(stable_stretches(law)),
-        held,
+        family=family,
+        law=law,
+        names=form.names,
+        constants=found * units,
+        covariance=_covariance(residual, found, square / (points - count)) * np.outer(units, units),
+        rms=math.sqrt(square / float(weight @ weight)),
+        worst=float(np.abs(relative_errors(law, loaded)).max()),
+        aicc=points * math.log(max(square / points, 1e-300)) + 2.0 * count * points / (points - count - 1),
+        points=points,
+        data_to_stretch=largest_stretch(loaded),
+        stable_to=dict(stable_stretches(law)),
+        held=held,
     )
 
 

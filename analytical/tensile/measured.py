@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 
 from analytical.arrays import BoolArray, FloatArray
-from analytical.laws.isotropic import IsotropicLaw
-from analytical.laws.stability import LARGEST_STRETCH, MODES
+from analytical.exact.homogeneous import MODES, Mode
+from analytical.laws.stability import LARGEST_STRETCH
 
 # Points of a test at least; two constants through one point are no fit.
 LEAST_POINTS: Final = 3
@@ -26,7 +26,7 @@ class MaterialTest:
     Parameters
     ----------
     mode
-        "uniaxial", "equibiaxial" or "pure shear" (`analytical.laws.stability.MODES`).
+        One of `analytical.exact.homogeneous.MODES`.
     stretch
         Stretch along which it is pulled, shape (n,); the undeformed state says nothing and may be left out.
     nominal_mpa
@@ -41,7 +41,7 @@ class MaterialTest:
         With the value and what is wanted.
     """
 
-    mode: str
+    mode: Mode
     stretch: FloatArray
     nominal_mpa: FloatArray
     weight: FloatArray = field(default_factory=lambda: np.empty(0))
@@ -81,9 +81,3 @@ class MaterialTest:
     def where(self, kept: BoolArray) -> MaterialTest:
         """The test with some of its points, shape (n,)."""
         return MaterialTest(self.mode, self.stretch[kept], self.nominal_mpa[kept], self.weight[kept])
-
-
-def nominal_stress_mpa(law: IsotropicLaw, mode: str, stretch: FloatArray) -> FloatArray:
-    """Force per undeformed area along the stretch, MPa: (sigma_1 - sigma_3) / l, the third direction being free."""
-    one, two, three = MODES[mode](stretch)
-    return np.asarray(law.stress_difference(one, three, two) / stretch)

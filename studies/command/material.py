@@ -40,17 +40,12 @@ def list_(as_json: bool) -> None:
     """List the silicones that a scene can name."""
     from dataclasses import asdict
 
-    from studies.scene.materials import law_of
-    from studies.scene.silicones.presets import preset_material, presets
+    from studies.scene.silicones.presets import in_short, presets
 
     if as_json:
         say(_json({name: asdict(one) for name, one in presets().items()}))
         return
-    lines = []
-    for name, one in presets().items():
-        of = preset_material(one)
-        modulus, to = 1e3 * law_of(of).initial_shear_modulus_mpa, of.data_to_stretch
-        lines.append((name, of.law, f"{modulus:.3g}", f"{to:.3g}" if to else "not told", f"{one.stretch_at_break:.3g}"))
+    lines = [(name, one.material["law"], *in_short(one)) for name, one in presets().items()]
     header = ("preset", "law", "initial shear modulus, kPa", "data to stretch", "breaks at stretch")
     say(as_text(Table(header, tuple(lines), (0, 1))))
     say("Constants, source, and what other sources say: bellowsx material show NAME")
@@ -138,14 +133,13 @@ def fit(
     Columns: stretch, strain, strain_percent or true_strain; nominal_kpa, nominal_mpa, nominal_psi, or true_…; if wanted
     mode (uniaxial, equibiaxial, pure shear) and weight. Least squares in relative error, with positive moduli.
     """
-    from analytical.tensile.measured import MeasuredError
     from studies.scene.silicones.tensile import fits_of, material_of, read_tests, up_to
 
     _check_picture(picture)
     try:
         tests = up_to([test for file in data for test in read_tests(file, "data")], to_stretch)
         fits = fits_of(tests, law, stable_to)
-    except (SceneError, MeasuredError) as error:
+    except SceneError as error:
         refuse(str(error))
     best = fits[0]
     if picture is not None:

@@ -23,7 +23,7 @@ from studies.models.full3d import run_full3d
 from studies.models.modes import COUNTED_LEVELS
 from studies.models.session import SCENE_FILE, run_plan
 from studies.models.tolerance import worst_percent
-from studies.paper import bonds, errors, public, sets, times, variants
+from studies.paper import bonds, errors, public_constants, sets, times, variants
 from studies.paper.acceptance import bars
 from studies.paper.audit import coverage, misses
 from studies.paper.blocked import blocked_sentences
@@ -185,7 +185,7 @@ def content(results: PaperResults, pictures: Mapping[str, str]) -> dict[str, Any
         "errors": errors,
         "sets": sets,
         "variants": variants,
-        "public": public,
+        "public_constants": public_constants,
         "bonds": bonds,
         "times": times,
         "setup": setup(),

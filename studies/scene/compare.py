@@ -77,30 +77,58 @@ def read_file(path: Path) -> dict[str, list[float]]:
     SceneError
         If it cannot be read, or a column or a number is missing.
     """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise SceneError(f"compare.file = {str(path)!r}: cannot be read ({error})") from None
-    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
-    delimiter = max(DELIMITERS, key=lines[0].count) if lines else ","
-    table = list(csv.reader(lines, delimiter=delimiter, skipinitialspace=True))
-    header = [name.strip() for name in table[0]] if table else []
+    where = f"compare.file = {str(path)!r}"
+    header, lines = read_table(path, where)
     wanted = [name for name in (PRESSURE, *VALUES) if name in header]
-    if PRESSURE not in wanted or len(wanted) < 2 or len(table) < 2:
+    if PRESSURE not in wanted or len(wanted) < 2 or not lines:
         raise SceneError(
-            f"compare.file = {str(path)!r}: its header is {', '.join(header) or 'empty'}; wanted are {PRESSURE} and "
+            f"{where}: its header is {', '.join(header) or 'empty'}; wanted are {PRESSURE} and "
             f"{' or '.join(VALUES)}, and at least one line of numbers"
         )
-    return {name: [_number(line, header.index(name), path) for line in table[1:]] for name in wanted}
+    return {name: [number_in(line, header.index(name), where) for line in lines] for name in wanted}
 
 
-def _number(line: Sequence[str], place: int, path: Path) -> float:
+def read_table(path: Path, where: str) -> tuple[list[str], list[list[str]]]:
+    """Header and lines of a user's CSV file, their cells stripped; without empty lines and those that begin with #.
+
+    Parameters
+    ----------
+    path
+        The file; commas, semicolons or tabs part its columns.
+    where
+        Key and value that name it, for messages.
+
+    Raises
+    ------
+    SceneError
+        If it cannot be read.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+        lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
+        delimiter = max(DELIMITERS, key=lines[0].count) if lines else ","
+        table = [[cell.strip() for cell in line] for line in csv.reader(lines, delimiter=delimiter)]
+    except (OSError, ValueError, csv.Error) as error:
+        raise SceneError(f"{where}: cannot be read ({error})") from None
+    return (table[0], table[1:]) if table else ([], [])
+
+
+def number_in(line: Sequence[str], place: int, where: str) -> float:
+    """The finite number in a cell of a line.
+
+    Raises
+    ------
+    SceneError
+        If there is none.
+    """
     text = line[place] if place < len(line) else ""
     try:
-        return float(text)
+        found = float(text)
     except ValueError:
-        where = f"compare.file = {str(path)!r}: {text!r} in the line {', '.join(line)!r}"
-        raise SceneError(f"{where} is no number: decimals have a point") from None
+        found = math.nan
+    if not math.isfinite(found):
+        raise SceneError(f"{where}: {text!r} in the line {', '.join(line)!r} is no number: decimals have a point")
+    return found
 
 
 def with_measured(data: Mapping[str, Any], place: Path) -> dict[str, Any]:

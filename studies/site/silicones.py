@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from studies.scene.materials import describe_material, law_of
-from studies.scene.silicones.presets import Preset, preset_material, presets
+from studies.scene.materials import describe_material
+from studies.scene.silicones.presets import Preset, in_short, preset_material, presets
 from studies.site.markdown import cell, table
 
 HEADER = ("`material.preset`", "initial shear modulus, kPa", "data to stretch", "breaks at stretch")
@@ -25,14 +25,7 @@ def silicones_page() -> str:
 
 
 def _line(one: Preset) -> tuple[str, ...]:
-    of = preset_material(one)
-    modulus, to = 1e3 * law_of(of).initial_shear_modulus_mpa, of.data_to_stretch
-    return (
-        f"[`{one.name}`](#{one.name})",
-        f"{modulus:.3g}",
-        f"{to:.3g}" if to else "not told",
-        f"{one.stretch_at_break:.3g}",
-    )
+    return f"[`{one.name}`](#{one.name})", *in_short(one)
 
 
 def _about(one: Preset) -> str:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from studies.engine import Setting
+from studies.engine import Bar, Setting
 from studies.models.session import SceneResult, run_plan
 from studies.planning.planner import make_plan
 from studies.report.labels import quantity_label, run_label
@@ -27,6 +27,8 @@ from studies.scene.load import load_scene
 FOLDERS: Final = tuple(provenance.ROOT / "scenes" / name for name in ("published", "exact"))
 # Where their runs are kept, within the study's folder.
 KEPT: Final = "published"
+# What a result may differ from the printed number by: several are read off other programs' or groups' results.
+WITHIN_PERCENT: Final = 1.0
 
 
 @dataclass(frozen=True)
@@ -135,6 +137,14 @@ def rows(result: SceneResult[BodyScene]) -> list[Row]:
         )
         found.append(replace(beside, status=last.status))
     return found
+
+
+def bar(found: Sequence[Row]) -> Bar:
+    """That every printed number comes out."""
+    off = [abs(r.error_percent) for r in found]
+    met = all(percent <= WITHIN_PERCENT for percent in off) if off else None  # one without a result is NaN
+    told = f"{len(off)} numbers, at most {max(off):.2g} % off" if off else "none solved"
+    return Bar(f"published answers within {WITHIN_PERCENT:g} %", told, met)
 
 
 def _same_load(one: float, other: float) -> bool:

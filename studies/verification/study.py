@@ -97,7 +97,8 @@ def page(solved: Sequence[Solved[BodyScene | Benchmark, SceneResult[BodyScene]]]
         *(_order_row(line) for line in lines if math.isfinite(line.order)),
         *two_routes.rows(formulas),
     ]
-    return Page(rows, content, [f"{d.result.scene.name}: {d.result.reason}" for d in solved if not d.result.reached])
+    stopped = [f"{d.result.scene.name}: {d.result.reason}" for d in solved if not d.result.reached]
+    return Page(rows, content, stopped, bars=[published.bar(printed)])
 
 
 def lines_of(compared: Sequence[Row], counted: str = "round") -> list[Line]:

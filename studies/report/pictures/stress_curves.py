@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
+from analytical.exact.homogeneous import MODES, nominal_stress_mpa
 from analytical.laws.isotropic import Law
-from analytical.laws.stability import MODES, stable_stretches
-from analytical.tensile.measured import MaterialTest, nominal_stress_mpa
+from analytical.laws.stability import stable_stretches
+from analytical.tensile.measured import MaterialTest
 from studies.report.style import BLACK, CURVES, GREY, figure_file, grid
 
 MARKS = dict(zip(MODES, ("o", "s", "^"), strict=True))

@@ -80,6 +80,13 @@ def preset_material(one: Preset) -> AnyMaterial:
     return _MATERIAL.validate_python(dict(one.material))
 
 
+def in_short(one: Preset) -> tuple[str, str, str]:
+    """Initial shear modulus in kPa, to which stretch its data go, and at which it breaks."""
+    of = preset_material(one)
+    modulus, to = 1e3 * law_of(of).initial_shear_modulus_mpa, of.data_to_stretch
+    return f"{modulus:.3g}", f"{to:.3g}" if to else "not told", f"{one.stretch_at_break:.3g}"
+
+
 @functools.cache
 def _laws() -> tuple[tuple[Law, Preset], ...]:
     return tuple((law_of(preset_material(one)), one) for one in presets().values())
@@ -122,19 +129,16 @@ def _written_out(material: Mapping[str, Any], place: Path, key: str) -> Mapping[
     beside = {name: material[name] for name in BESIDE if name in material}
     if given == ["preset"]:
         return {**preset(material["preset"]).material, **beside}
-    from studies.scene.silicones.tensile import (  # scipy, which every scene would pay
-        AUTO,
-        fits_of,
-        material_of,
-        read_tests,
-    )
+    from studies.scene.silicones.tensile import AUTO, fitted_material  # scipy, which every scene would pay
 
     file, law, largest = material["data"], material.get("law", AUTO), material.get("data_to_stretch")
     if not isinstance(file, str):
         raise SceneError(f"{key}.data = {file!r}: must be the name of a CSV file, found from where the scene is")
     if largest is not None and not (isinstance(largest, int | float) and largest > 1.0):
         raise SceneError(f"{key}.data_to_stretch = {largest!r}: must be a number above 1")
-    return {**material_of(fits_of(read_tests(place / file, f"{key}.data"), law, None, largest, key)[0]), **beside}
+    if not isinstance(law, str):
+        raise SceneError(f"{key}.law = {law!r}: must be a name")
+    return {**fitted_material(place / file, law, largest, key), **beside}
 
 
 def with_laws(text: str, materials: Mapping[str, AnyMaterial]) -> str:

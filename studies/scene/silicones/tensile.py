@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import math
+import functools
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from analytical.arrays import FloatArray
-from analytical.laws.stability import MODES
-from analytical.tensile.families import FAMILIES
+from analytical.exact.homogeneous import MODES, path_stretches
+from analytical.tensile.families import FAMILIES, law_name
 from analytical.tensile.fitting import Fit, FitError, best_fit
 from analytical.tensile.measured import MaterialTest, MeasuredError
-from studies.scene.compare import DELIMITERS
+from studies.scene.compare import number_in, read_table
 from studies.scene.sections import SceneError
 
 # Columns that tell how far a specimen is stretched, and how to have the stretch from them.
@@ -25,11 +24,12 @@ STRETCHES: Mapping[str, Callable[[FloatArray], FloatArray]] = {
     "strain_percent": lambda v: 1.0 + 0.01 * v,
     "true_strain": np.exp,
 }
-# Columns of stress, nominal (force per undeformed area) or true (per deformed area), and their unit in MPa.
+# Columns of stress, nominal (force per undeformed area) or true (per deformed area), and their unit in MPa; a psi is
+# 4.4482216 N on the square of 25.4 mm.
 STRESSES: Mapping[str, float] = {
     f"{measure}_{unit}": factor
     for measure in ("nominal", "true")
-    for unit, factor in (("kpa", 1e-3), ("mpa", 1.0), ("psi", 6.894757e-3))
+    for unit, factor in (("kpa", 1e-3), ("mpa", 1.0), ("psi", 4.4482216 / 25.4**2))
 }
 # Digits of constants in scenes and tables: more than a fit has.
 DIGITS = 6
@@ -47,14 +47,8 @@ def read_tests(path: Path, key: str = "material.data") -> list[MaterialTest]:
         If it cannot be read, or a column or a number is missing or makes no sense.
     """
     where = f"{key} = {str(path)!r}"
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, ValueError) as error:
-        raise SceneError(f"{where}: cannot be read ({error})") from None
-    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
-    delimiter = max(DELIMITERS, key=lines[0].count) if lines else ","
-    table = [[cell.strip() for cell in line] for line in csv.reader(lines, delimiter=delimiter)]
-    header = [name.lower() for name in table[0]] if table else []
+    names, lines = read_table(path, where)
+    header = [name.lower() for name in names]
     along, across = ([name for name in header if name in known] for known in (STRETCHES, STRESSES))
     if len(along) != 1 or len(across) != 1:
         raise SceneError(
@@ -63,14 +57,15 @@ def read_tests(path: Path, key: str = "material.data") -> list[MaterialTest]:
         )
 
     def column(name: str) -> FloatArray:
-        return np.array([_number(line, header.index(name), where) for line in table[1:]])
+        return np.array([number_in(line, header.index(name), where) for line in lines])
 
-    stretch = STRETCHES[along[0]](column(along[0]))
-    nominal = STRESSES[across[0]] * column(across[0]) / (stretch if across[0].startswith("true") else 1.0)
-    if len(table) < 2:
+    if not lines:
         raise SceneError(f"{where}: a header and no line of numbers")
+    with np.errstate(over="ignore"):  # a logarithm of a thousand is told as the stretch that it is
+        stretch = STRETCHES[along[0]](column(along[0]))
+    nominal = STRESSES[across[0]] * column(across[0]) / (stretch if across[0].startswith("true") else 1.0)
     place = header.index("mode") if "mode" in header else -1
-    given = [line[place].replace("_", " ") if place < len(line) else "" for line in table[1:]] if place >= 0 else []
+    given = [line[place].replace("_", " ") if place < len(line) else "" for line in lines] if place >= 0 else []
     modes = np.array(given or ["uniaxial"] * len(stretch))
     weights = column("weight") if "weight" in header else np.ones(len(stretch))
     try:
@@ -82,32 +77,21 @@ def read_tests(path: Path, key: str = "material.data") -> list[MaterialTest]:
         raise SceneError(f"{where}: {error}") from None
 
 
-def _number(line: Sequence[str], place: int, where: str) -> float:
-    text = line[place] if place < len(line) else ""
-    try:
-        found = float(text)
-    except ValueError:
-        found = math.nan
-    if not math.isfinite(found):
-        raise SceneError(f"{where}: {text!r} in the line {', '.join(line)!r} is no number: decimals have a point")
-    return found
-
-
-def up_to(tests: Sequence[MaterialTest], stretch: float | None) -> list[MaterialTest]:
+def up_to(tests: Sequence[MaterialTest], stretch: float | None, key: str = "material") -> list[MaterialTest]:
     """Tests without the points beyond a stretch, in their largest principal one.
 
     Raises
     ------
-    MeasuredError
+    SceneError
         If too few are left.
     """
     if stretch is None:
         return list(tests)
-    kept = []
-    for test in tests:
-        near = np.max(MODES[test.mode](test.stretch), axis=0) <= stretch * (1.0 + 1e-12)
-        kept.append(test.where(near))
-    return kept
+    most = stretch * (1.0 + 1e-12)
+    try:
+        return [test.where(np.max(path_stretches(test.mode, test.stretch), axis=0) <= most) for test in tests]
+    except MeasuredError as error:
+        raise SceneError(f"{key}.data: up to stretch {stretch:g} there are {error}") from None
 
 
 def families_of(law: object, key: str = "material") -> list[str]:
@@ -118,7 +102,7 @@ def families_of(law: object, key: str = "material") -> list[str]:
     SceneError
         For a name that stands for none.
     """
-    found = [name for name in FAMILIES if law in (AUTO, name, name.rstrip("0123456789-"))]
+    found = [name for name in FAMILIES if law in (AUTO, name, law_name(name))]
     if not found:
         raise SceneError(f"{key}.law = {law!r}: fitted are {AUTO}, {', '.join(FAMILIES)}, or without the number")
     return found
@@ -128,7 +112,6 @@ def fits_of(
     tests: Sequence[MaterialTest],
     law: object = AUTO,
     stable_to: float | None = None,
-    largest: float | None = None,
     key: str = "material",
 ) -> list[Fit]:
     """Laws fitted to tests, the best first.
@@ -142,8 +125,6 @@ def fits_of(
         tells nothing of the others: they would be right there and anything elsewhere.
     stable_to
         Stretch to which moduli must be positive; None for the data's largest.
-    largest
-        Points beyond this stretch are left out.
     key
         Of the material, for messages.
 
@@ -156,7 +137,7 @@ def fits_of(
     if law == AUTO and len({test.mode for test in tests}) == 1:
         names = [name for name in names if FAMILIES[name].one_test]
     try:
-        return best_fit(up_to(tests, largest), names, stable_to)
+        return best_fit(tests, names, stable_to)
     except (FitError, MeasuredError) as error:
         raise SceneError(f"{key}.data: {error}") from None
 
@@ -165,7 +146,7 @@ def material_of(fit: Fit) -> dict[str, Any]:
     """A fitted law as the keys of a scene's material."""
     numbers = [float(f"{value:.{DIGITS}g}") for value in fit.constants]
     named: dict[str, Any] = dict(zip(fit.names, numbers, strict=True))
-    law = fit.family.rstrip("0123456789-")
+    law = law_name(fit.family)
     if law in ("mooney-rivlin", "yeoh"):
         named = {"c_kpa": numbers}
     elif law == "ogden":
@@ -174,3 +155,30 @@ def material_of(fit: Fit) -> dict[str, Any]:
         one = terms == 1
         named = {"mu_kpa": mu[0] if one else mu, "alpha": alpha[0] if one else alpha, "convention": "2mu/alpha^2"}
     return {"law": law, **named, "data_to_stretch": float(f"{fit.data_to_stretch:.4g}")}
+
+
+@functools.lru_cache(maxsize=16)
+def _fitted(path: Path, changed_ns: int, law: str, largest: float | None, key: str) -> dict[str, Any]:
+    tests = up_to(read_tests(path, f"{key}.data"), largest, key)
+    return material_of(fits_of(tests, law, key=key)[0])
+
+
+def fitted_material(path: Path, law: str, largest: float | None, key: str) -> dict[str, Any]:
+    """The law fitted to a file as the keys of a scene's material; of a file that has not changed it is kept.
+
+    A sweep reads its base's material for every scene, and a fit takes a second.
+
+    Parameters
+    ----------
+    path, law, largest
+        As in `read_tests`, `fits_of` and `up_to`.
+    key
+        Of the material, for messages.
+
+    Raises
+    ------
+    SceneError
+        From these.
+    """
+    changed_ns = path.stat().st_mtime_ns if path.exists() else 0
+    return dict(_fitted(path, changed_ns, law, largest, key))

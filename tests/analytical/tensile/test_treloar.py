@@ -10,14 +10,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from analytical.exact.homogeneous import Mode, nominal_stress_mpa
 from analytical.laws.isotropic import NeoHooke, OgdenSeries
 from analytical.tensile.fitting import best_fit, fit_law
-from analytical.tensile.measured import MaterialTest, nominal_stress_mpa
+from analytical.tensile.measured import MaterialTest
 from studies.scene.silicones.tensile import read_tests
 
 KGF_PER_CM2 = 0.0980665  # MPa
 # Steinmann, Hossain and Possart 2012, as in thermalCANN, data/Treloar, and simcoon, examples/hyperelasticity.
-STEINMANN = {
+STEINMANN: dict[Mode, tuple[str, str]] = {
     "uniaxial": (
         "1.01 1.12 1.24 1.39 1.61 1.89 2.17 2.42 3.01 3.58 4.03 4.76 5.36 5.76 6.16 6.4 6.62 6.87 7.05 7.16 7.27 "
         "7.43 7.5 7.61",
@@ -37,7 +38,7 @@ def absolute(test: MaterialTest) -> MaterialTest:
     return MaterialTest(test.mode, test.stretch, test.nominal_mpa, test.nominal_mpa**2)
 
 
-def steinmann(mode: str) -> MaterialTest:
+def steinmann(mode: Mode) -> MaterialTest:
     stretch, stress = (np.array(column.split(), dtype=float) for column in STEINMANN[mode])
     return absolute(MaterialTest(mode, stretch, stress))
 
@@ -65,7 +66,7 @@ def test_treloar_s_modulus_and_what_he_says_it_misses(treloar) -> None:
     law = NeoHooke(4.0 * KGF_PER_CM2)
     for mode, said in (("uniaxial", 24.0), ("pure shear", 17.0)):
         test = treloar[mode].loaded
-        below = 1.0 - test.nominal_mpa / nominal_stress_mpa(law, mode, test.stretch)
+        below = 1.0 - test.nominal_mpa / nominal_stress_mpa(law, test.mode, test.stretch)
         assert 100.0 * below.max() == pytest.approx(said, abs=1.5)
     sheet = treloar["equibiaxial"]
     near = fit_law([absolute(sheet.where(sheet.stretch < 3.0))], "neo-hooke")  # "up to an extension ratio of 3.0"

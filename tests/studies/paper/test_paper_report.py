@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from studies.engine import REACHED, Bar, render
-from studies.paper import acceptance, audit, bonds, errors, public, sets, study, summary, times, variants
+from studies.paper import acceptance, audit, bonds, errors, public_constants, sets, study, summary, times, variants
 from studies.paper.cases import REFERENCE_SCENES
 from studies.paper.results import CaseResult, PaperResults, no_row
 from studies.paper.statements.claims import claims
@@ -36,7 +36,7 @@ TABLES: tuple[Callable[[PaperResults], Table], ...] = (
     variants.conventions,
     variants.silicones,
     variants.silicone_effects,
-    public.elongations,
+    public_constants.elongations,
     variants.rings,
     variants.blocked,
     variants.beyond,

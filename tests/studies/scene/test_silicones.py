@@ -9,13 +9,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from pydantic import TypeAdapter
 
+from analytical.tensile.measured import MaterialTest, MeasuredError
 from studies.planning.warnings import stretch_warnings
 from studies.scene.load import load_scene
-from studies.scene.materials import OgdenMaterial, law_of
+from studies.scene.materials import AnyMaterial, OgdenMaterial, law_of
 from studies.scene.sections import SceneError
 from studies.scene.silicones.presets import preset_material, preset_of, presets, with_laws
-from studies.scene.silicones.tensile import DIGITS, fits_of, material_of, read_tests
+from studies.scene.silicones.tensile import DIGITS, fits_of, material_of, read_tests, up_to
 from studies.scene.sweep import read_sweep
 
 FITTED = {name: one for name, one in presets().items() if one.data}
@@ -52,7 +56,7 @@ def data(tmp_path: Path):
 @pytest.mark.parametrize("name", FITTED)
 def test_fitted_presets_are_made_again_from_their_data(root: Path, name: str) -> None:
     tests = read_tests(root / FITTED[name].data)
-    made = material_of(fits_of(tests, largest=min(4.0, float(tests[0].stretch[-1])))[0])
+    made = material_of(fits_of(up_to(tests, min(4.0, float(tests[0].stretch[-1]))))[0])
     kept = dict(FITTED[name].material)
     assert made["law"] == kept["law"]
     for key in set(made) - {"law", "convention"}:
@@ -151,7 +155,7 @@ def test_stretches_beyond_a_preset_s_data_and_break_are_told(scene) -> None:
         ("data = 3", "material.data = 3: must be the name of a CSV file"),
         ('data = "tensile.csv"\nlaw = "hooke"', "material.law = 'hooke': fitted are auto, neo-hooke"),
         ('data = "tensile.csv"\nlaw = "neo"', "material.law = 'neo': fitted are"),
-        ('data = "tensile.csv"\nlaw = 3', "material.law = 3: fitted are"),
+        ('data = "tensile.csv"\nlaw = 3', "material.law = 3: must be a name"),
         ('data = "tensile.csv"\ndata_to_stretch = 0.5', "material.data_to_stretch = 0.5: must be a number above 1"),
         ('data = "tensile.csv"\ndata_to_stretch = 1.15', "points of a uniaxial test: give at least 3"),
     ],
@@ -223,3 +227,46 @@ def test_one_kind_of_test_chooses_among_laws_that_it_tells_all_of(data) -> None:
 def test_a_file_that_is_no_test_is_refused(data, text: str, message: str) -> None:
     with pytest.raises(SceneError, match=message):
         read_tests(data(text))
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.integers(0, 10**6), st.integers(1, 6), st.binary(max_size=4))
+def test_a_damaged_file_is_a_test_or_refused(root: Path, tmp_path: Path, seed: int, cuts: int, put: bytes) -> None:
+    content = bytearray((root / "scenes/materials/treloar-1944.csv").read_bytes())
+    drawn = np.random.default_rng(seed)
+    for _ in range(cuts):
+        at = int(drawn.integers(len(content)))
+        content[at : at + int(drawn.integers(4))] = put
+    path = tmp_path / "damaged.csv"
+    path.write_bytes(bytes(content))
+    try:
+        tests = read_tests(path)
+    except SceneError as error:
+        assert "damaged.csv" in str(error)
+        return
+    assert all(np.isfinite(test.nominal_mpa).all() and (test.stretch > 0.0).all() for test in tests)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    st.floats(1e-3, 1e3),
+    st.floats(-3.0, 6.0),
+    st.lists(st.floats(0.3, 6.0), min_size=4, max_size=30, unique=True),
+    st.floats(0.0, 0.5),
+    st.integers(0, 10**6),
+)
+def test_whatever_was_measured_has_a_law_that_a_scene_takes_or_is_refused(
+    modulus: float, exponent: float, stretches: list[float], scatter: float, seed: int
+) -> None:
+    stretch = np.array(sorted(stretches))
+    stretch = stretch[np.abs(stretch - 1.0) > 0.01]
+    stress = modulus * np.sign(stretch - 1.0) * np.abs(stretch - stretch**-2.0) * stretch ** (exponent - 1.0)
+    stress *= np.exp(scatter * np.random.default_rng(seed).standard_normal(len(stretch)))
+    try:
+        fits = fits_of([MaterialTest("uniaxial", stretch, 1e-3 * stress)])
+    except (SceneError, MeasuredError):
+        return
+    for fit in fits:
+        of = TypeAdapter(AnyMaterial).validate_python(material_of(fit))
+        assert law_of(of).initial_shear_modulus_mpa > 0.0
+        assert min(fit.stable_to.values()) >= fit.data_to_stretch and np.isfinite(fit.rms)

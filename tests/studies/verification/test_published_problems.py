@@ -194,6 +194,9 @@ def test_a_target_without_an_answer_is_told() -> None:
     (entry,) = published.rows(stopped)  # type: ignore[arg-type]
     assert math.isnan(entry.value) and entry.status == "stopped at 3 kPa" and entry.reference == target.target
     assert "stopped at 3 kPa" in str(published.table([entry]).rows)
+    assert published.bar([entry]).missed
+    off = [dataclasses.replace(entry, error_percent=percent) for percent in (-0.5, 1.5)]
+    assert published.bar(off).missed and not published.bar(off[:1]).missed and not published.bar([]).missed
 
 
 def test_a_bulge_begins_at_the_maximum_of_a_long_tube(tmp_path: Path) -> None:

@@ -8,9 +8,9 @@ import numpy as np
 
 from analytical.bellows.chains_by_name import SILICONES
 from analytical.bellows.paper import Silicone as SiliconeName
+from analytical.exact.homogeneous import nominal_stress_mpa
 from analytical.laws.isotropic import Law, Yeoh
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
-from analytical.tensile.measured import nominal_stress_mpa
 from studies.paper.cases import HIGHEST_KPA, PRESSURES_KPA, REFERENCE, THICK, THIN
 from studies.paper.results import PaperResults, is_known
 from studies.paper.setup.sizes import called
