@@ -22,7 +22,7 @@ from analytical.bellows.chains_by_name import path_of
 from analytical.bellows.paper import PRINTED_PRESSURE_KPA, actuators
 from analytical.bellows.reading import CORRECTED
 from analytical.bellows.second_route import elongation_by_equations_mm, error_text
-from analytical.exact import compressible, cube, flexure, homogeneous, ring, sphere, torsion, tube
+from analytical.exact import compressible, cube, flat_sheet, flexure, homogeneous, ring, sphere, torsion, tube
 from analytical.laws.isotropic import Law, OgdenSeries
 from analytical.laws.of_invariants import ArrudaBoyce, Gent, MooneyRivlin
 from analytical.laws.silicones import DRAGON_SKIN_10, dragon_skin_30
@@ -43,6 +43,7 @@ GOAL: Final = 1e-10
 # A wall as thick as the 2 mm actuator's root.
 _TUBE: Final = tube.Tube(5.0, 7.0)
 _SPHERE: Final = sphere.Sphere(5.0, 7.0)
+_SHEET: Final = flat_sheet.FlatSheet(50.0, 0.25)
 _CYLINDER: Final = torsion.TwistedCylinder(10.0, 0.05, 1.2)
 _BLOCK: Final = flexure.BentBlock(2.0, 10.0, 1.5)
 _BULK_OVER_SHEAR: Final = 100.0
@@ -83,7 +84,10 @@ class TwoRoutes:
 
 def all_routes() -> list[TwoRoutes]:
     """Every problem with every law."""
-    problems = (_homogeneous, _tube, _capped_tube, _sphere, _torsion, _flexure, _cube, _ring, _compressible, _bellows)
+    problems = (
+        *(_homogeneous, _tube, _capped_tube, _sphere, _sheet, _torsion, _flexure, _cube, _ring, _compressible),
+        _bellows,
+    )
     return [found for problem in problems for name, law in LAWS.items() for found in problem(name, law)]
 
 
@@ -167,6 +171,17 @@ def _sphere(name: str, law: Law) -> Iterator[TwoRoutes]:
     by_energy = slope(lambda a: sphere.stored_energy_mj(_SPHERE, law, a), inner) / (4.0 * math.pi * inner**2)
     problem = f"sphere {_SPHERE.inner_radius_mm:g}/{_SPHERE.outer_radius_mm:g} mm, a = {inner:g} mm"
     yield TwoRoutes(problem, name, "pressure", "MPa", pressure, by_energy, _BY_ENERGY)
+
+
+def _sheet(name: str, law: Law) -> Iterator[TwoRoutes]:
+    stretch = 1.6
+    state = flat_sheet.inflated(_SHEET, law, stretch)
+    by_balance = 2.0 * state.rim_tension_n_per_mm * math.sin(state.rim_slope) / _SHEET.radius_mm
+    problem = (
+        f"flat sheet of {_SHEET.radius_mm:g} mm, {_SHEET.thickness_mm:g} mm thick, stretch {stretch:g} at the pole"
+    )
+    routes = ("equilibrium along and across the meridian", "balance of the whole sheet at its rim")
+    yield TwoRoutes(problem, name, "pressure", "MPa", state.pressure_mpa, by_balance, routes)
 
 
 def _torsion(name: str, law: Law) -> Iterator[TwoRoutes]:
