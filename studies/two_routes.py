@@ -176,12 +176,16 @@ def _sphere(name: str, law: Law) -> Iterator[TwoRoutes]:
 def _sheet(name: str, law: Law) -> Iterator[TwoRoutes]:
     stretch = 1.6
     state = flat_sheet.inflated(_SHEET, law, stretch)
-    by_balance = 2.0 * state.rim_tension_n_per_mm * math.sin(state.rim_slope) / _SHEET.radius_mm
+    tension = _SHEET.thickness_mm * flat_sheet.tensions(law, state.rim_stretch, 1.0)[0]
+    rim = _SHEET.thickness_mm * float(law.energy(state.rim_stretch, 1.0, 1.0 / state.rim_stretch))
+    rim += tension * (math.cos(state.rim_slope) - state.rim_stretch)
+    # all lengths grown alike: U is of their square, V of their third power, and the rim is pulled along
+    by_energy = (2.0 * state.energy_mj - 2.0 * math.pi * _SHEET.radius_mm**2 * rim) / (3.0 * state.volume_mm3)
     problem = (
         f"flat sheet of {_SHEET.radius_mm:g} mm, {_SHEET.thickness_mm:g} mm thick, stretch {stretch:g} at the pole"
     )
-    routes = ("equilibrium along and across the meridian", "balance of the whole sheet at its rim")
-    yield TwoRoutes(problem, name, "pressure", "MPa", state.pressure_mpa, by_balance, routes)
+    routes = ("equilibrium along and across the meridian", "energy and volume of the whole, by scaling")
+    yield TwoRoutes(problem, name, "pressure", "MPa", state.pressure_mpa, by_energy, routes)
 
 
 def _torsion(name: str, law: Law) -> Iterator[TwoRoutes]:

@@ -125,6 +125,12 @@ def test_cost() -> None:
     warm, cold = (min(seconds("full3d", f"hex n8 {way} {on}") for on in ("1x2", "2x1")) for way in ("warm", "cold"))
     assert f"takes {warm:.1f} s to an answer" in README and f"and {cold:.1f} s if it starts from zero" in README
     assert f"takes {seconds('peer_dolfinx_tutorial', 'hex27-n8r1 steps=5'):.1f} s." in README
+    quarter = min(
+        float(row["value"])
+        for row in rows("peers")
+        if row["quantity"] == "wall_s" and row["model"] == "peer_ngsolve" and "-quarter" in row["level"]
+    )
+    assert f"waits {quarter:.1f} s." in README
     assert f"takes {ratio(''):.2f} of" in README and f"and {ratio('_by_lasting_error'):.2f} if" in README
 
 

@@ -9,7 +9,8 @@ With l_1 along the meridian, l_2 = r/R round the axis, phi the meridian's slope,
 
 (Adkins & Rivlin, Phil. Trans. R. Soc. A 244 (1952) 505, doi 10.1098/rsta.1952.0013; the sheet of Treloar, Trans. Inst.
 Rubber Ind. 19 (1944) 201). At the pole l_1 = l_2 and dphi/dR = P l / (2 T). All lengths grow as 1/P, so one integration
-from a pole's stretch out to l_2 = 1 gives the pressure of any radius.
+from a pole's stretch out to l_2 = 1 gives the pressure of any radius, with the stored energy and the volume below the
+sheet.
 Units: mm, N, MPa.
 """
 
@@ -21,15 +22,19 @@ from typing import Final
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.optimize import minimize_scalar
 
 from analytical.arrays import FloatArray
-from analytical.exact.search import STRETCH_RANGE, root
+from analytical.exact.search import STRETCH_RANGE, first_solution
 from analytical.laws.isotropic import IsotropicLaw
 
-# Where the integration starts, of the radius of curvature at the pole: what is left out there is of its square, 1e-12.
+# Where the integration starts, of the pole's tension: half of it is the share of the radius of curvature there, and
+# what is left out is of its square.
 _POLE: Final = 1e-6
-_WITHIN: Final = {"rtol": 1e-11, "atol": 1e-12, "method": "DOP853"}
+# Where it ends at the latest, of the same: no rim is met further out.
+_FAR: Final = 1e3
+_WITHIN: Final = 1e-12
+# Least stretch at the pole that a pressure is looked for at.
+_LEAST: Final = 1.0 + 1e-6
 
 
 class SheetError(ValueError):
@@ -58,13 +63,25 @@ class FlatSheet:
 
 @dataclass(frozen=True)
 class Inflated:
-    """A state: pressure, MPa, height of the pole, mm, its stretch, tension and slope at the rim (N/mm, rad)."""
+    """An equilibrium.
+
+    Attributes
+    ----------
+    pressure_mpa, height_mm, pole_stretch
+        Pressure, height of the pole over the rim, and both stretches there.
+    rim_stretch, rim_slope
+        Stretch along the meridian at the rim, and the meridian's slope there, rad.
+    energy_mj, volume_mm3
+        Stored energy, and volume between the sheet and its plane.
+    """
 
     pressure_mpa: float
     height_mm: float
     pole_stretch: float
-    rim_tension_n_per_mm: float
+    rim_stretch: float
     rim_slope: float
+    energy_mj: float
+    volume_mm3: float
 
 
 def inflated(sheet: FlatSheet, law: IsotropicLaw, pole_stretch: float) -> Inflated:
@@ -77,92 +94,88 @@ def inflated(sheet: FlatSheet, law: IsotropicLaw, pole_stretch: float) -> Inflat
     """
     if not 1.0 < pole_stretch < STRETCH_RANGE[1]:
         raise SheetError(f"stretch {pole_stretch:g} at the pole: need 1 < stretch < {STRETCH_RANGE[1]:g}")
-    tension, _ = _tensions(law, pole_stretch, pole_stretch)
-    if not tension > 0.0:
-        raise SheetError(f"stretch {pole_stretch:g} at the pole: the law has no tension there; take a smaller one")
+    tension, _ = tensions(law, pole_stretch, pole_stretch)
+    if not 0.0 < tension < math.inf:
+        raise SheetError(f"stretch {pole_stretch:g} at the pole: the law's tension there is {tension:g}; take less")
 
-    def at_rim(place: float, at: FloatArray) -> float:
+    def over_rim(place: float, at: FloatArray) -> float:
         return float(at[1] - place)
 
-    at_rim.terminal, at_rim.direction = True, -1  # type: ignore[attr-defined]
-    # in units of the sheet's thickness times MPa over the pressure: P = 1, h = 1
+    over_rim.terminal, over_rim.direction = True, -1  # type: ignore[attr-defined]
+    # P = 1 and h = 1: lengths are of the size of the pole's tension
     start = _POLE * tension
-    first = (pole_stretch, pole_stretch * start, 0.5 * pole_stretch * start / tension, 0.0)
-    end = 1e3 * pole_stretch * tension
-    found = solve_ivp(lambda place, at: _rates(law, place, at), (start, end), first, events=at_rim, **_WITHIN)
+    first = (pole_stretch, pole_stretch * start, 0.5 * pole_stretch * start / tension, 0.0, 0.0, 0.0)
+    found = solve_ivp(
+        lambda place, at: _rates(law, place, at),
+        (start, _FAR * pole_stretch * tension),
+        first,
+        events=over_rim,
+        method="DOP853",
+        rtol=_WITHIN,
+        atol=_WITHIN * np.array([1.0, tension, 1.0, tension, tension**3, tension**3]),
+    )
     if not found.success or not len(found.t_events[0]):
         raise SheetError(f"stretch {pole_stretch:g} at the pole: no rim is met; take a smaller one")
-    (radius,), ((along, around, slope, height),) = found.t_events[0], found.y_events[0]
+    radius = float(found.t_events[0][0])
+    along, _, slope, height, energy, volume = (float(value) for value in found.y_events[0][0])
     scale = sheet.radius_mm / radius
-    rim, _ = _tensions(law, float(along), float(around / radius))
     return Inflated(
         pressure_mpa=sheet.thickness_mm / scale,
-        height_mm=float(height * scale),
+        height_mm=height * scale,
         pole_stretch=pole_stretch,
-        rim_tension_n_per_mm=rim * sheet.thickness_mm,
-        rim_slope=float(slope),
+        rim_stretch=along,
+        rim_slope=slope,
+        energy_mj=2.0 * math.pi * sheet.thickness_mm * energy * scale**2,
+        volume_mm3=math.pi * volume * scale**3,
     )
 
 
 def at_pressure(sheet: FlatSheet, law: IsotropicLaw, pressure_mpa: float) -> Inflated:
-    """The equilibrium under a pressure below the limit point, on the way up from rest.
+    """The first equilibrium under a pressure on the way up from rest, beyond a maximum where the pressure rises again.
 
     Raises
     ------
     SheetError
-        If the pressure is not positive, or at or above the limit.
+        If the pressure is not met, with the largest that is, or asks for a stretch that the law does not have.
     """
-    top = limit_point(sheet, law)
-    if not 0.0 < pressure_mpa < top.pressure_mpa:
-        raise SheetError(f"pressure {pressure_mpa:g} MPa: need 0 < pressure < {top.pressure_mpa:g}, the sheet's limit")
 
-    def excess(stretch: float) -> float:
-        return inflated(sheet, law, stretch).pressure_mpa - pressure_mpa
+    def pressure(stretch: float) -> float:
+        return inflated(sheet, law, stretch).pressure_mpa
 
-    return inflated(sheet, law, root(excess, 1.0 + 1e-6, top.pole_stretch, 1e-12))
-
-
-def limit_point(sheet: FlatSheet, law: IsotropicLaw, most: float = 4.0) -> Inflated:
-    """The maximum of the pressure below a stretch at the pole.
-
-    Raises
-    ------
-    SheetError
-        If the pressure still rises at that stretch.
-    """
-    found = minimize_scalar(
-        lambda stretch: -inflated(sheet, law, stretch).pressure_mpa,
-        bounds=(1.0 + 1e-3, most),
-        method="bounded",
-        options={"xatol": 1e-8},
-    )
-    if found.x > most - 1e-3:
-        raise SheetError(f"no maximum of the pressure below a stretch of {most:g} at the pole: give a larger one")
-    return inflated(sheet, law, float(found.x))
+    least = pressure(_LEAST)
+    if not pressure_mpa > least:
+        raise SheetError(f"pressure {pressure_mpa:g} MPa: need more than {least:g}")
+    stretch, furthest = first_solution(pressure, _LEAST, (1.0, STRETCH_RANGE[1]), pressure_mpa)
+    if stretch is None:
+        raise SheetError(
+            f"pressure {pressure_mpa:g} MPa: the sheet's first maximum is {furthest:.6g}; take a smaller one"
+        )
+    return inflated(sheet, law, stretch)
 
 
-def _tensions(law: IsotropicLaw, along: float, around: float) -> tuple[float, float]:
-    """Tensions per deformed length along the meridian and round the axis, of a sheet of thickness 1."""
+def tensions(law: IsotropicLaw, along: float, around: float) -> tuple[float, float]:
+    """Tensions per deformed length along the meridian and round the axis, over the undeformed thickness, MPa."""
     through = 1.0 / (along * around)
     first = law.stress_difference(along, through, around)
     second = law.stress_difference(around, through, along)
     return float(first * through), float(second * through)
 
 
-def _rates(law: IsotropicLaw, place: float, at: FloatArray) -> tuple[float, float, float, float]:
-    """Slopes by R of l_1, r, phi and z, under a pressure of 1."""
-    along, radius, slope, _ = (float(value) for value in at)
+def _rates(law: IsotropicLaw, place: float, at: FloatArray) -> tuple[float, ...]:
+    """Slopes by R of l_1, r, phi, z, and of energy over 2 pi and volume over pi, under a pressure of 1."""
+    along, radius, slope = (float(value) for value in at[:3])
     around = radius / place
     through = 1.0 / (along * around)
-    first, second = _tensions(law, along, around)
+    first, second = tensions(law, along, around)
     hessian = np.asarray(law.log_hessian_mpa(along, around, through))
     # by the logarithms of l_1 and of l_2, where l_3 = 1/(l_1 l_2)
     by_along = hessian[0, 0] - 2.0 * hessian[0, 2] + hessian[2, 2]
     by_around = hessian[0, 1] - hessian[1, 2] - hessian[0, 2] + hessian[2, 2]
     by_along, by_around = by_along * through - first, by_around * through - first
-    outwards = along * math.cos(slope)
+    outwards, upwards = along * math.cos(slope), along * math.sin(slope)
     tension_rate = (second - first) * outwards / radius
     around_rate = (outwards - around) / radius  # of its logarithm
     along_rate = along * (tension_rate - by_around * around_rate) / by_along
     bending = along * (1.0 - second * math.sin(slope) / radius) / first
-    return along_rate, outwards, bending, along * math.sin(slope)
+    energy = float(law.energy(along, around, through)) * place
+    return along_rate, outwards, bending, upwards, energy, upwards * radius**2

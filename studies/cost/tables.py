@@ -137,22 +137,30 @@ def compilation_table(rows: Sequence[Row]) -> Table:
     return table_of([r for r in rows if r.quantity == COMPILE], columns, (0, 1))
 
 
+# How the peer study names its ratios, and those in which peers' runs on a quarter of the body count too.
 PEER_RATIO: Final = "time_ratio_"
+ON_QUARTERS: Final = "_with_quarters"
 
 
 def ratios_table(rows: Sequence[Row]) -> Table:
     """Our time over other programs', by two ways of comparing and by two kinds of error, each said in words."""
+    ratios = {r.quantity: r for r in rows if r.quantity.startswith(PEER_RATIO) and math.isfinite(r.value)}
     lines = []
-    for r in rows:
-        if not (r.quantity.startswith(PEER_RATIO) and math.isfinite(r.value)):
+    for name, r in ratios.items():
+        if name.endswith(ON_QUARTERS):
             continue
+        on_quarters = ratios.get(name + ON_QUARTERS)
         error = "lasting" if r.quantity.endswith("by_lasting_error") else "as it is"
         equal = "at_equal_error" in r.quantity
         what = (
             f"at the smallest error that both reach, {r.level}" if equal else "ours to 1 %, theirs at their least error"
         )
-        lines.append((model_label(r.model), what, error, f"{r.value:.2g}"))
-    return Table(("model", "compared", "error counts", "our time over theirs"), tuple(lines), left=(0, 1, 2))
+        cut = f"{on_quarters.value:.2g}" if on_quarters else ""
+        if on_quarters and on_quarters.level != r.level:
+            cut += f" at {on_quarters.level}"
+        lines.append((model_label(r.model), what, error, f"{r.value:.2g}", cut))
+    columns = ("model", "compared", "error counts", "our time over theirs", "theirs on a quarter too")
+    return Table(columns, tuple(lines), left=(0, 1, 2))
 
 
 def like_with_like(found: Sequence[Point]) -> Table:

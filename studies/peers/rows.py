@@ -52,9 +52,14 @@ def comparison_rows(scene: str, pressure_kpa: float, reference_mm: float, source
             for quantity, unit, value, reference, where in numbers
         ]
     reached = [(attempt, m) for attempt, m in measured if not math.isnan(m.tip_mm)]
-    errors = [100.0 * abs(m.tip_mm / reference_mm - 1.0) for _, m in reached]
+    # two digits: the reference is known to no more, and alike meshes shall have equal errors
+    errors = [float(f"{100.0 * abs(m.tip_mm / reference_mm - 1.0):.2g}") for _, m in reached]
     for kind, found in (("", errors), ("_by_lasting_error", lasting_errors(reached, errors))):
-        points = [(attempt, Point(m.wall_s, error)) for (attempt, m), error in zip(reached, found, strict=True)]
+        points = [
+            (attempt, Point(m.wall_s, error))
+            for (attempt, m), error in zip(reached, found, strict=True)
+            if not math.isnan(error)
+        ]
         whole = [(attempt, point) for attempt, point in points if not attempt.quarter]
         rows += _ratio_rows(scene, pressure_kpa, 2, kind, whole)
         rows += _ratio_rows(scene, pressure_kpa, 3, kind, whole)
@@ -89,13 +94,13 @@ def _ratio_rows(
 
 
 def lasting_errors(measured: Runs, errors: Sequence[float]) -> list[float]:
-    """Errors that finer meshes of the same code, cells and settings do not exceed."""
+    """Errors that finer meshes of the same code, cells and settings do not exceed; NaN where no finer one was run."""
     found = list(errors)
     for family in {attempt.family for attempt, _ in measured}:
         same = [k for k, (attempt, _) in enumerate(measured) if attempt.family == family]
         same.sort(key=lambda k: measured[k][1].unknowns)
         for k, error in zip(same, lasting([errors[k] for k in same]), strict=True):
-            found[k] = error
+            found[k] = error if measured[k][1].unknowns < measured[same[-1]][1].unknowns else math.nan
     return found
 
 

@@ -8,6 +8,7 @@ that keeps the scene's tolerance.
 from __future__ import annotations
 
 import csv
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -46,7 +47,8 @@ class Target:
     source, obtained
         Where it is printed, and how that number was obtained.
     held
-        False where that makes it less certain than the bar: the ratio is told and asked of nobody.
+        False where the number is less certain than the bar, or of a problem that is not quite the scene's, as
+        ``obtained`` says: the ratio is told, and held to nothing.
     """
 
     scene: str
@@ -75,10 +77,11 @@ def benchmarks() -> list[Benchmark]:
     return [Benchmark(name) for name in dict.fromkeys(target.scene for target in targets())]
 
 
-def targets() -> list[Target]:
+@functools.cache
+def targets() -> tuple[Target, ...]:
     """The lines of the table."""
     with (FOLDERS[0] / "targets.csv").open(encoding="utf-8", newline="") as file:
-        return [
+        return tuple(
             Target(
                 line["scene"],
                 line["quantity"],
@@ -86,10 +89,10 @@ def targets() -> list[Target]:
                 float(line["target"]),
                 line["source"],
                 line["obtained"],
-                line["held"] == "yes",
+                {"yes": True, "no": False}[line["held"]],
             )
             for line in csv.DictReader(file)
-        ]
+        )
 
 
 def solve(case: Benchmark, at: Setting) -> SceneResult[BodyScene]:
@@ -144,17 +147,17 @@ def rows(result: SceneResult[BodyScene]) -> list[Row]:
 
 
 def bar(found: Sequence[Row]) -> Bar:
-    """That every printed number comes out which is certain enough to be held to it."""
+    """That every printed number comes out which is certain enough, and of the scene's own problem."""
     off = [abs(r.error_percent) for r in found if target_of(r).held]
     met = all(percent <= WITHIN_PERCENT for percent in off) if off else None  # one without a result is NaN
     told = f"{len(off)} numbers, at most {max(off):.2g} % off" if off else "none solved"
-    if less_certain := len(found) - len(off):
-        told += f"; {less_certain} that are less certain themselves are not held to it"
+    if others := len(found) - len(off):
+        told += f"; {others} read off a curve or with another rim are not held to it"
     return Bar(f"published answers within {WITHIN_PERCENT:g} %", told, met)
 
 
 def target_of(entry: Row) -> Target:
-    """The target that a row is beside."""
+    """The target that a row of `rows` is beside."""
     return next(
         t
         for t in targets()

@@ -1,4 +1,4 @@
-"""The inflated flat sheet against what its equations do not use: balance as a whole, energy, and small strains."""
+"""The inflated flat sheet: balance as a whole, small strains, scaling (energy and volume: `studies/two_routes.py`)."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from analytical.exact.flat_sheet import FlatSheet, SheetError, at_pressure, inflated, limit_point
+from analytical.exact.flat_sheet import FlatSheet, SheetError, at_pressure, inflated, tensions
 from analytical.laws.isotropic import NeoHooke
-from analytical.laws.of_invariants import MooneyRivlin
+from analytical.laws.of_invariants import Gent, MooneyRivlin
 
 SHEET = FlatSheet(50.0, 0.25)
 LAWS = [NeoHooke(0.4), MooneyRivlin((0.1713, 0.0047, 0.0, 0.0, 0.0))]
@@ -20,7 +20,8 @@ LAWS = [NeoHooke(0.4), MooneyRivlin((0.1713, 0.0047, 0.0, 0.0, 0.0))]
 @pytest.mark.parametrize("stretch", [1.001, 1.3, 2.5])
 def test_the_rim_carries_the_pressure(law, stretch: float) -> None:
     state = inflated(SHEET, law, stretch)
-    held = 2.0 * math.pi * SHEET.radius_mm * state.rim_tension_n_per_mm * math.sin(state.rim_slope)
+    tension = SHEET.thickness_mm * tensions(law, state.rim_stretch, 1.0)[0]
+    held = 2.0 * math.pi * SHEET.radius_mm * tension * math.sin(state.rim_slope)
     assert held == pytest.approx(math.pi * SHEET.radius_mm**2 * state.pressure_mpa, rel=1e-9)
 
 
@@ -55,29 +56,29 @@ def hencky_height(nu: float) -> float:
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_the_limit_is_a_maximum_met_on_the_way(law) -> None:
-    top = limit_point(SHEET, law)
-    for stretch in (0.98 * top.pole_stretch, 1.02 * top.pole_stretch):
-        assert inflated(SHEET, law, stretch).pressure_mpa < top.pressure_mpa
-    below = at_pressure(SHEET, law, 0.7 * top.pressure_mpa)
-    assert below.pressure_mpa == pytest.approx(0.7 * top.pressure_mpa, rel=1e-9)
-    assert below.pole_stretch < top.pole_stretch
+def test_the_state_at_a_pressure_is_the_first(law) -> None:
+    state = at_pressure(SHEET, law, 3.5e-3)
+    assert state.pressure_mpa == pytest.approx(3.5e-3, rel=1e-9)
+    below = [inflated(SHEET, law, 1.0 + share * (state.pole_stretch - 1.0)).pressure_mpa for share in (0.3, 0.9, 0.99)]
+    assert below == sorted(below) and below[-1] < 3.5e-3
 
 
-def test_lengths_and_moduli_scale() -> None:
-    one, other = inflated(SHEET, NeoHooke(0.4), 1.7), inflated(FlatSheet(5.0, 0.05), NeoHooke(40.0), 1.7)
-    assert other.pressure_mpa == pytest.approx(200.0 * one.pressure_mpa, rel=1e-9)
+@pytest.mark.parametrize("mu", [4e-4, 40.0])
+def test_lengths_and_moduli_scale(mu: float) -> None:
+    one, other = inflated(SHEET, NeoHooke(0.4), 1.7), inflated(FlatSheet(5.0, 0.05), NeoHooke(mu), 1.7)
+    assert other.pressure_mpa == pytest.approx(2.0 * mu / 0.4 * one.pressure_mpa, rel=1e-9)
     assert other.height_mm == pytest.approx(0.1 * one.height_mm, rel=1e-9)
+    assert other.energy_mj == pytest.approx(2e-3 * mu / 0.4 * one.energy_mj, rel=1e-9)
 
 
 def test_refusals() -> None:
     law = NeoHooke(0.4)
-    top = limit_point(SHEET, law).pressure_mpa
     for attempt, said in (
         (lambda: FlatSheet(50.0, 0.0), "thickness 0 mm"),
         (lambda: inflated(SHEET, law, 1.0), "need 1 < stretch"),
-        (lambda: at_pressure(SHEET, law, 1.01 * top), "the sheet's limit"),
-        (lambda: limit_point(SHEET, law, 1.2), "give a larger one"),
+        (lambda: inflated(SHEET, Gent(0.07, 3.0), 2.0), "tension there is inf"),
+        (lambda: at_pressure(SHEET, law, 0.0), "need more than"),
+        (lambda: at_pressure(SHEET, law, 1.0), "first maximum is 0.00375835"),
     ):
         with pytest.raises(SheetError, match=said):
             attempt()

@@ -178,18 +178,23 @@ def test_a_scene_that_stopped_is_told(tmp_path) -> None:
 # ---- printed answers ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("benchmark", published.benchmarks(), ids=lambda one: one.scene)
+HELD = {target.scene for target in published.targets() if target.held}
+
+
+@pytest.mark.parametrize(
+    "benchmark", [one for one in published.benchmarks() if one.scene in HELD], ids=lambda one: one.scene
+)
 def test_printed_answers_come_out(tmp_path: Path, benchmark: published.Benchmark) -> None:
     found = published.rows(
         published.solve(benchmark, engine.Setting(tmp_path, MPI.COMM_SELF, Progress(MPI.COMM_SELF), {}))
     )
-    # the least certain target is told to 0.1 of 43 mm, the ventricle's by what groups differ, 0.5 %; the sheet's is
-    # that of a membrane, and near the largest pressure a thickness of 1/200 of the radius counts
-    within = {"ventricle": 0.5, "sheet-flat": 0.8}.get(benchmark.scene, 0.25)
+    # the least certain target is told to 0.1 of 43 mm, the ventricle's by what groups differ, 0.5 %
+    within = 0.5 if benchmark.scene == "ventricle" else 0.25
     assert len(found) == sum(target.scene == benchmark.scene for target in published.targets())
     for entry in found:
-        if published.target_of(entry).held:
-            assert abs(entry.error_percent) < within, entry
+        # beside the membrane's largest pressure a thickness of 1/200 of the radius counts: 0.75 % measured
+        near_maximum = benchmark.scene == "sheet-flat" and entry.pressure_kpa == 3.5
+        assert abs(entry.error_percent) < (0.8 if near_maximum else within), entry
 
 
 def test_a_rim_that_turns_lies_between_one_that_is_held_and_one_held_by_a_strip(tmp_path: Path) -> None:
@@ -197,19 +202,22 @@ def test_a_rim_that_turns_lies_between_one_that_is_held_and_one_held_by_a_strip(
     held, strip = (
         published.rows(published.solve(published.Benchmark(name), at)) for name in ("disc-mooney", "disc-pinned")
     )
-    # measured -1.6 to -8.9 and 3.7, 3.1 %: a shell's rim is neither, and the manual's curve is read too high by 8 %
-    assert all(-10.0 < entry.error_percent < -1.0 for entry in held)
-    assert all(2.0 < entry.error_percent < 5.0 for entry in strip)
+    # of the shells; the manual's curve is read too high by 8 %. Measured -1.6, -1.7, -1.5 and 3.6, 3.1 %
+    held = [entry for entry in held if "read off a curve" not in published.target_of(entry).obtained]
+    assert len(held) == 3 and all(-2.0 < entry.error_percent < -1.0 for entry in held)
+    assert len(strip) == 2 and all(2.0 < entry.error_percent < 5.0 for entry in strip)
 
 
 def test_targets_of_the_flat_sheet_and_of_the_second_rise() -> None:
     sheet, law = FlatSheet(50.0, 0.25), MooneyRivlin((0.1713, 0.0047, 0.0, 0.0, 0.0))
-    for target in (t for t in published.targets() if t.scene == "sheet-flat"):
+    of_sheet = [t for t in published.targets() if t.scene == "sheet-flat"]
+    assert len(of_sheet) == 4
+    for target in of_sheet:
         state = at_pressure(sheet, law, 1e-3 * target.pressure_kpa)
         thinned = 0.5 * sheet.thickness_mm * (1.0 - state.pole_stretch**-2)
         assert target.target == pytest.approx(state.height_mm + thinned, abs=1e-4)  # its last digit
     (rise,) = [t for t in published.targets() if t.scene == "balloon-mooney" and t.quantity == "bore_mm"]
-    stretch = 1.0 + (rise.target - 0.05) / 10.0  # of the middle, of radius 10 mm; so thin, both sides move alike
+    stretch = (9.95 + rise.target) / 10.0  # the bore starts at 9.95 mm; so thin then, its radius is the middle's
     pressure = 4.0 * 0.01 * (150.0 + 15.0 * stretch**2) * (1.0 / stretch - stretch**-7)
     assert pressure == pytest.approx(rise.pressure_kpa, rel=1e-5)
 
