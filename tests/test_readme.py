@@ -108,6 +108,9 @@ def test_stress() -> None:
     assert f"| all |  | {' | '.join(counts)} | 0 |" in report
 
 
+TO_FASTEST = "time_ratio_full3d_to_fastest_peer"
+
+
 def test_cost() -> None:
     def seconds(model: str, level: str) -> float:
         (row,) = (
@@ -125,12 +128,22 @@ def test_cost() -> None:
     warm, cold = (min(seconds("full3d", f"hex n8 {way} {on}") for on in ("1x2", "2x1")) for way in ("warm", "cold"))
     assert f"takes {warm:.1f} s to an answer" in README and f"and {cold:.1f} s if it starts from zero" in README
     assert f"takes {seconds('peer_dolfinx_tutorial', 'hex27-n8r1 steps=5'):.1f} s." in README
+    (off,) = (
+        abs(float(row["error_percent"]))
+        for row in rows("cost")
+        if (row["scene"], row["quantity"], row["level"]) == ("peer-bellows", "tip_mm", "hex n8 warm 2x1")
+        and row["model"] == "full3d"
+    )
+    assert f"to an answer {off:.2g} % off" in README
     quarter = min(
         float(row["value"])
         for row in rows("peers")
         if row["quantity"] == "wall_s" and row["model"] == "peer_ngsolve" and "-quarter" in row["level"]
     )
-    assert f"waits {quarter:.1f} s." in README
+    cut = float(found("peers", "peer-bellows", f"{TO_FASTEST}_with_quarters", "full3d", "10")["value"])
+    equal = ratio("_with_quarters")
+    assert f"({quarter:.1f} s, 0.004 % off) it takes {cut:.2f} of the time to 1 %" in README
+    assert f"and {equal:.1f} times as long at equal error" in README
     assert f"takes {ratio(''):.2f} of" in README and f"and {ratio('_by_lasting_error'):.2f} if" in README
 
 

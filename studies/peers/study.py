@@ -23,6 +23,7 @@ from studies.peers.cases import OURS, PEERS, Attempt, attempts, peer_scene
 from studies.peers.measure import Measurement, kept_measurement, measure
 from studies.peers.rows import QUARTERS, RATIO, Runs, comparison_rows
 from studies.progress import Progress
+from studies.report.numbers import number_text
 from studies.report.tables import Table, table_of
 from studies.results.rows import Row
 from studies.scene.bellows import BellowsScene
@@ -101,7 +102,8 @@ def ratios_table(rows: Sequence[Row]) -> Table:
     ratios = {r.quantity: r for r in rows if r.quantity.startswith(RATIO)}
 
     def ratio(r: Row) -> str:
-        return f"{r.value:.3g}" + (f" at {r.level}" if r.level else "")
+        at = f" at {r.level}" if r.level and math.isfinite(r.value) else ""
+        return number_text(r.value, ".3g") + at
 
     columns: Mapping[str, Callable[[Row], str]] = {
         "ratio of wall times": lambda r: r.quantity.removeprefix(RATIO).replace("_", " "),

@@ -216,10 +216,12 @@ def test_page_of_the_rows_of_a_real_run(root: Path, tmp_path: Path, monkeypatch:
         monkeypatch.setattr(f"studies.cost.page.{draw}", lambda path, *_, **__: drawn.append(path))
     rows = read_rows(root / "docs" / "cost" / "rows.csv")
     shown = content(rows, tmp_path)
-    # machines differ; a direct solver of these bodies is above linear and below the square of nested dissection's worst
-    assert 1.0 < shown["laws"].time.exponent < 2.0
+    # machines differ; a direct solver of these bodies is above linear and below the square of nested dissection's worst, a
+    # whole run, which has parts that do not grow, at most as much
+    assert 1.0 < shown["laws"].iteration.exponent < 2.0
+    assert 0.7 < shown["laws"].time.exponent < 2.0
     assert shown["laws"].held > 1e6
-    assert len(shown["own"]) == len(CELLS) and len(shown["ratios"].rows) == 8
+    assert len(shown["own"]) == len(CELLS) and len(shown["ratios"].rows) == 6
     assert len(shown["model"].rows) == 20 and shown["ranks"].rows
     alike = {line[0]: dict(zip(shown["alike"].header, line, strict=True)) for line in shown["alike"].rows}
     warm, cold, tets = (alike[f"full3d {name} 1x2"] for name in ("hex n8 warm", "hex n8 cold", "tet n8 warm"))
