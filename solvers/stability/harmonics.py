@@ -118,7 +118,7 @@ class Harmonics:
         self.select(0)
 
     def _compile(self) -> None:
-        """The tangent's form, and those of the bodies."""
+        """All forms first, then their compilation: see `solvers.problem`."""
         problem, mesh, degree = self.problem, self.domain.mesh, self.problem.quadrature_degree
         kin = kinematics(mesh, True)
         ds = self.domain.ds(degree=degree)
