@@ -145,11 +145,7 @@ class Problem:
         self.expected_negatives = of.expected_negatives
 
     def _compile(self, kin: Kinematics) -> None:
-        """Forms of solid, load and bond.
-
-        UFL takes arguments made after a compilation for others than those made before: all forms come first, and those
-        of the bodies, which compile some, last.
-        """
+        """Forms of solid, load and bond."""
         degree, bodies, bond = self.quadrature_degree, self.bodies, self.surfaces.bond
         kind, loaded = self.surfaces.load
         # of a higher degree the load is a potential, as its form is, only if both are integrated exactly

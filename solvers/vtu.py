@@ -58,11 +58,18 @@ def principal_stretches(mesh: MeshArrays, state: State) -> FloatArray:
 
     for first in range(0, len(mesh.cells), 20000):  # blocks keep the memory small
         cells = mesh.cells[first : first + 20000]
-        gradient = np.eye(3) + slopes(state.displacement_mm[cells]) @ np.linalg.inv(slopes(mesh.points[cells]))
+        gradient = np.eye(3) + slopes(state.displacement_mm[cells]) @ _inverses(slopes(mesh.points[cells]))
         cauchy_green = np.swapaxes(gradient, -1, -2) @ gradient
         for i, j in ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)):  # the lower half is what is read below
             sums[i, j] += np.bincount(cells.ravel(), cauchy_green[..., i, j].ravel(), len(mesh.points))
     return np.sqrt(np.linalg.eigvalsh((sums / count).transpose(2, 0, 1)))
+
+
+def _inverses(of: FloatArray) -> FloatArray:
+    """Inverses of many matrices (…, 3, 3) by cross products of columns: a tenth of LAPACK's time, one by one."""
+    first, second, third = (of[..., i] for i in range(3))
+    adjugate = np.stack([np.cross(second, third), np.cross(third, first), np.cross(first, second)], axis=-2)
+    return adjugate / (first * adjugate[..., 0, :]).sum(-1)[..., None, None]
 
 
 def pressure_at_nodes(mesh: MeshArrays, state: State) -> FloatArray:

@@ -41,8 +41,13 @@ def tabulate(element: Any, points: NDArray[np.float64]) -> Any:
 
 
 def create_mesh(comm: MPI.Comm, cells: NDArray[np.int64], points: NDArray[np.float64], shape: str) -> dmesh.Mesh:
-    """Mesh of quadratic cells without ghosts."""
-    domain = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell(shape, geometric_dimension=points.shape[1]), 2))
+    """Mesh of quadratic cells without ghosts.
+
+    FFCx names the places of the coordinates' nodes in the mesh itself when it compiles a first form for it, so that
+    later forms would have another signature, and a compilation, than in a process that finds the first one compiled.
+    """
+    cell = ufl.Cell(shape, geometric_dimension=points.shape[1])
+    domain = ufl.Mesh(ufl.VectorElement(ufl.FiniteElement("Lagrange", cell, 2, variant="equispaced")))
     return dmesh.create_mesh(comm, cells, points, domain, dmesh.GhostMode.none, cpp.mesh.create_cell_partitioner())
 
 

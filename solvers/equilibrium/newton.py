@@ -171,6 +171,7 @@ def solve_equilibrium(
             if problem.turning is not None:
                 problem.turning.mark(problem.state.x.array[: problem.owned], problem.body_values)
         moved, here = _advance(problem, settings, control, error, _increment(problem, factor, control, here))
+    raise AssertionError("unreachable")
 
 
 def relative_residual(problem: Problem) -> float:

@@ -104,7 +104,7 @@ class HarmonicBond:
         self._block = (ufl.inner(bonded.traction(e0), e1) + second) * pick * scale * at
 
     def compile(self) -> None:
-        """Compile the forms of columns and blocks; all forms of a problem are made before the first is compiled."""
+        """Compile the forms of columns and blocks."""
         self._column, self._block = compat.compile_form(self._column), compat.compile_form(self._block)
 
     def held(self, waves: int) -> NDArray[np.bool_]:

@@ -118,7 +118,7 @@ class Harmonics:
         self.select(0)
 
     def _compile(self) -> None:
-        """All forms first, then their compilation: see `solvers.problem`."""
+        """The tangent's form, and those of the bodies."""
         problem, mesh, degree = self.problem, self.domain.mesh, self.problem.quadrature_degree
         kin = kinematics(mesh, True)
         ds = self.domain.ds(degree=degree)
