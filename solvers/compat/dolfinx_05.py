@@ -43,8 +43,8 @@ def tabulate(element: Any, points: NDArray[np.float64]) -> Any:
 def create_mesh(comm: MPI.Comm, cells: NDArray[np.int64], points: NDArray[np.float64], shape: str) -> dmesh.Mesh:
     """Mesh of quadratic cells without ghosts.
 
-    FFCx names the places of the coordinates' nodes in the mesh itself when it compiles a first form for it, so that
-    later forms would have another signature, and a compilation, than in a process that finds the first one compiled.
+    The places of the coordinates' nodes are named here: FFCx would name them in the mesh when it compiles a first form
+    for it, and later forms would have another signature, and be compiled anew, in a process that finds that one.
     """
     cell = ufl.Cell(shape, geometric_dimension=points.shape[1])
     domain = ufl.Mesh(ufl.VectorElement(ufl.FiniteElement("Lagrange", cell, 2, variant="equispaced")))

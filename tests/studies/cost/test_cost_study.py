@@ -216,8 +216,8 @@ def test_page_of_the_rows_of_a_real_run(root: Path, tmp_path: Path, monkeypatch:
         monkeypatch.setattr(f"studies.cost.page.{draw}", lambda path, *_, **__: drawn.append(path))
     rows = read_rows(root / "docs" / "cost" / "rows.csv")
     shown = content(rows, tmp_path)
-    # machines differ; a direct solver of these bodies is above linear and below the square of nested dissection's worst, a
-    # whole run, which has parts that do not grow, at most as much
+    # machines differ; a direct solver of these bodies is above linear and below the square of nested dissection's
+    # worst, a whole run, which has parts that do not grow, at most as much
     assert 1.0 < shown["laws"].iteration.exponent < 2.0
     assert 0.7 < shown["laws"].time.exponent < 2.0
     assert shown["laws"].held > 1e6
