@@ -5,6 +5,7 @@ exits with 1 if the project cannot run. Quick (about a second), so it looks at t
 only draw (vtk, pyvista) without importing them.
 """
 
+import contextlib
 import ctypes
 import importlib
 import os
@@ -150,10 +151,8 @@ def main() -> int:
     if version := gmsh_version():
         versions["gmsh"] = version
     for name in ("pyvista", "vtk"):
-        try:
+        with contextlib.suppress(metadata.PackageNotFoundError):  # check_pins has said so
             versions[name] = metadata.version(name)
-        except metadata.PackageNotFoundError:
-            pass  # check_pins has said so
 
     compiler = (sysconfig.get_config_var("CC") or "gcc").split()[0]
     if not shutil.which(compiler):

@@ -32,6 +32,7 @@ from analytical.laws.isotropic import IsotropicLaw
 _POLE: Final = 1e-6
 # Where it ends at the latest, of the same: no rim is met further out.
 _FAR: Final = 1e3
+# Tolerance of the integration: pressures by two routes then agree to 1e-11 (`studies/two_routes.py`).
 _WITHIN: Final = 1e-12
 # Least stretch at the pole that a pressure is looked for at.
 _LEAST: Final = 1.0 + 1e-6
@@ -148,7 +149,8 @@ def at_pressure(sheet: FlatSheet, law: IsotropicLaw, pressure_mpa: float) -> Inf
     stretch, furthest = first_solution(pressure, _LEAST, (1.0, STRETCH_RANGE[1]), pressure_mpa)
     if stretch is None:
         raise SheetError(
-            f"pressure {pressure_mpa:g} MPa: the sheet's first maximum is {furthest:.6g}; take a smaller one"
+            f"pressure {pressure_mpa:g} MPa: the largest up to a stretch of {STRETCH_RANGE[1]:g} at the pole is "
+            f"{furthest:.6g}; take a smaller one"
         )
     return inflated(sheet, law, stretch)
 

@@ -20,9 +20,8 @@ from studies.cost.cases import BATCHES, CELLS, LARGE, Batch, Cell, cell_scene
 from studies.cost.measure import keep_quieter, kept_measurement, measure
 from studies.cost.page import content
 from studies.cost.rows import batch_rows, measured_rows
-from studies.cost.tables import PEER_RATIO
 from studies.engine import ROWS_FILE, Page, Setting, Solved, Study
-from studies.results.rows import Row, read_rows
+from studies.results.rows import TIME_RATIO, Row, read_rows
 
 KEPT: Final = "measured"
 
@@ -77,7 +76,7 @@ def rows_of(file: Path) -> list[Row]:
 
 def peer_rows(file: Path) -> list[Row]:
     """Of the peer study's rows, the other programs' and the ratios to them."""
-    return [r for r in rows_of(file) if r.model.startswith("peer_") or r.quantity.startswith(PEER_RATIO)]
+    return [r for r in rows_of(file) if r.model.startswith("peer_") or r.quantity.startswith(TIME_RATIO)]
 
 
 def page(solved: Sequence[Solved[Turn, None]], at: Setting) -> Page:

@@ -11,7 +11,7 @@ from studies.cost.rows import BATCH_WALL, COMPILE
 from studies.report.labels import model_label
 from studies.report.numbers import MISSING, count, short_time
 from studies.report.tables import Table, table_of
-from studies.results.rows import REACHED, Row
+from studies.results.rows import ON_QUARTERS, REACHED, TIME_RATIO, Row
 
 Columns = Mapping[str, Callable[[Point], str]]
 
@@ -137,14 +137,9 @@ def compilation_table(rows: Sequence[Row]) -> Table:
     return table_of([r for r in rows if r.quantity == COMPILE], columns, (0, 1))
 
 
-# How the peer study names its ratios, and those in which peers' runs on a quarter of the body count too.
-PEER_RATIO: Final = "time_ratio_"
-ON_QUARTERS: Final = "_with_quarters"
-
-
 def ratios_table(rows: Sequence[Row]) -> Table:
     """Our time over other programs', by two ways of comparing and by two kinds of error, each said in words."""
-    ratios = {r.quantity: r for r in rows if r.quantity.startswith(PEER_RATIO) and math.isfinite(r.value)}
+    ratios = {r.quantity: r for r in rows if r.quantity.startswith(TIME_RATIO) and math.isfinite(r.value)}
     lines = []
     for name, r in ratios.items():
         if name.endswith(ON_QUARTERS):

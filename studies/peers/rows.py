@@ -9,16 +9,13 @@ from typing import Final
 from studies.peers.cases import OURS, Attempt
 from studies.peers.fronts import Point, floored, lasting, ratio_at_equal_error, ratio_to_fastest
 from studies.peers.measure import Measurement
-from studies.results.rows import REACHED, Row, row
+from studies.results.rows import ON_QUARTERS, REACHED, TIME_RATIO, Row, row
 
 # What our own must hold, percent.
 ALLOWED_PERCENT: Final = 1.0
 # The reference is known to this, percent: what the finest triangles with meshed rings and the finest quadrilaterals
 # with rigid ones differ by, with room (0.0125 at 10 kPa on r8).
 REFERENCE_PERCENT: Final = 0.02
-RATIO: Final = "time_ratio_"
-# Ends the names of ratios in which peers' runs on a quarter of the body count too.
-QUARTERS: Final = "_with_quarters"
 _MODELS: Final = {3: "full3d", 2: "axisymmetric"}
 Runs = Sequence[tuple[Attempt, Measurement]]
 
@@ -63,7 +60,7 @@ def comparison_rows(scene: str, pressure_kpa: float, reference_mm: float, source
         whole = [(attempt, point) for attempt, point in points if not attempt.quarter]
         rows += _ratio_rows(scene, pressure_kpa, 2, kind, whole)
         rows += _ratio_rows(scene, pressure_kpa, 3, kind, whole)
-        rows += _ratio_rows(scene, pressure_kpa, 3, kind + QUARTERS, points)
+        rows += _ratio_rows(scene, pressure_kpa, 3, kind + ON_QUARTERS, points)
     return rows
 
 
@@ -84,8 +81,8 @@ def _ratio_rows(
     error, equal = ratio_at_equal_error(mine, every)
     model = _MODELS[dimension]
     ratios = (
-        (f"{RATIO}{model}_to_fastest_peer{kind}", ratio_to_fastest(mine, every, ALLOWED_PERCENT), ""),
-        (f"{RATIO}{model}_at_equal_error{kind}", equal, f"{error:.3g} %"),
+        (f"{TIME_RATIO}{model}_to_fastest_peer{kind}", ratio_to_fastest(mine, every, ALLOWED_PERCENT), ""),
+        (f"{TIME_RATIO}{model}_at_equal_error{kind}", equal, f"{error:.3g} %"),
     )
     return [
         row(scene, quantity, "1", pressure_kpa, model, ratio, level, status=_known(ratio))

@@ -21,11 +21,11 @@ from studies.models.axisymmetric import run_axisymmetric
 from studies.peers import environment
 from studies.peers.cases import OURS, PEERS, Attempt, attempts, peer_scene
 from studies.peers.measure import Measurement, kept_measurement, measure
-from studies.peers.rows import QUARTERS, RATIO, Runs, comparison_rows
+from studies.peers.rows import Runs, comparison_rows
 from studies.progress import Progress
 from studies.report.numbers import number_text
 from studies.report.tables import Table, table_of
-from studies.results.rows import Row
+from studies.results.rows import ON_QUARTERS, TIME_RATIO, Row
 from studies.scene.bellows import BellowsScene
 
 REFERENCE_LEVELS: Final = (4, 8)
@@ -99,18 +99,18 @@ def measured_table(measured: Runs, reference_mm: float) -> Table:
 
 def ratios_table(rows: Sequence[Row]) -> Table:
     """Our times over the peers', and over those that their users can have on a quarter of the body."""
-    ratios = {r.quantity: r for r in rows if r.quantity.startswith(RATIO)}
+    ratios = {r.quantity: r for r in rows if r.quantity.startswith(TIME_RATIO)}
 
     def ratio(r: Row) -> str:
         at = f" at {r.level}" if r.level and math.isfinite(r.value) else ""
         return number_text(r.value, ".3g") + at
 
     columns: Mapping[str, Callable[[Row], str]] = {
-        "ratio of wall times": lambda r: r.quantity.removeprefix(RATIO).replace("_", " "),
+        "ratio of wall times": lambda r: r.quantity.removeprefix(TIME_RATIO).replace("_", " "),
         "ours over theirs": ratio,
-        "theirs on a quarter too": lambda r: ratio(cut) if (cut := ratios.get(r.quantity + QUARTERS)) else "",
+        "theirs on a quarter too": lambda r: ratio(cut) if (cut := ratios.get(r.quantity + ON_QUARTERS)) else "",
     }
-    return table_of([r for name, r in ratios.items() if not name.endswith(QUARTERS)], columns, (0,))
+    return table_of([r for name, r in ratios.items() if not name.endswith(ON_QUARTERS)], columns, (0,))
 
 
 def page(solved: Sequence[Solved[Attempt, str]], at: Setting) -> Page:

@@ -14,6 +14,10 @@ REACHED = "reached"
 FOLDED_BACK = "reached, folded back"
 # The load was reached, but the value is not as certain as was asked.
 NOT_MET = "tolerance not met"
+# How names of ratios of run times begin, ours over other programs', and how those end in which their runs on a quarter
+# of the body count too.
+TIME_RATIO = "time_ratio_"
+ON_QUARTERS = "_with_quarters"
 # Stands, with its pressure, in the status of a state beyond a limit point.
 AFTER_SNAP = "after a snap"
 
