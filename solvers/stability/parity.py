@@ -34,6 +34,7 @@ from solvers.assembly.supports import Supports
 from solvers.assembly.tangent import Border, bonded_dofs, new_matrix
 from solvers.assembly.term import Term
 from solvers.bodies.rigid import EVERY_MOTION
+from solvers.discrete.domain import FloatArray
 from solvers.errors import SolverError
 from solvers.linear.factor import Factor
 from solvers.problem import Problem
@@ -112,9 +113,9 @@ def parity_classes(planes: Sequence[Plane]) -> tuple[ParityClass, ...]:
 class ParityTangent:
     """The tangent of a part's state in a class, which `select` chooses; for a `solvers.linear.factor.Factor`.
 
-    One pattern, one analysis and, at a state, one assembly serve all classes but the symmetric one, which is the
-    problem's own: bodies have as many unknowns as the class of the most motions, and those that another does not have
-    are held; what a class holds is struck out of a copy of the solid's tangent, which costs a tenth of assembling it.
+    One pattern, one analysis and, at a state, one assembly serve all classes: bodies have as many unknowns as the class
+    of the most motions, and those that another does not have are held; what a class holds is struck out of a copy of
+    the solid's tangent, which costs a sixth of assembling it.
 
     Parameters
     ----------
@@ -218,6 +219,9 @@ class ParityTangent:
 class ParityFactor(Factor):
     """Factor of a part's problem that counts the unstable modes of the whole body.
 
+    One matrix and one factor at a time serve all classes. Motions of bodies are the problem's own in equations, those of
+    the tangent, which pads them, in modes.
+
     Parameters
     ----------
     problem
@@ -233,21 +237,36 @@ class ParityFactor(Factor):
         Unstable modes of each class that was counted last, once each.
     """
 
-    problem: Problem
-
     def __init__(self, problem: Problem, planes: Sequence[Plane], is_alike: Callable[[State], bool]) -> None:
-        super().__init__(problem)
-        self._symmetric, *self._others = parity_classes(planes)
+        self._classes = parity_classes(planes)
+        self._tangent = ParityTangent(problem, self._classes)
+        super().__init__(self._tangent)
         self._is_alike = is_alike
-        self._tangent = ParityTangent(problem, self._others)
-        self._of_others = Factor(self._tangent)
         self.counts: dict[str, int] = {}
 
     def close(self) -> None:
         """Free the matrices and their factors."""
         super().close()
-        self._of_others.close()
         self._tangent.close()
+
+    def refresh(self) -> None:
+        """Assemble the tangent at the current state, and factor that of the symmetric class; raises as `Factor` does."""
+        self._tangent.take_state(self.matrix)
+        self._factor(self._classes[0])
+
+    def _factor(self, parity: ParityClass) -> None:
+        self._tangent.select(parity)
+        super().refresh()
+
+    def solve(self, on_dofs: FloatArray, on_bodies: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Solve in the class that was factored last; bodies have its motions, or those of the tangent."""
+        if not self._tangent.extra:
+            return super().solve(on_dofs, on_bodies)
+        given = on_bodies.reshape(self._tangent.extra // self._tangent.motions, -1)
+        padded = np.zeros((len(given), self._tangent.motions))
+        padded[:, : given.shape[1]] = given
+        dofs, bodies = super().solve(on_dofs, padded.ravel())
+        return dofs, bodies.reshape(padded.shape)[:, : given.shape[1]].ravel()
 
     def unstable_modes(self) -> int | None:
         """Unstable modes of the whole body about the current state, whose symmetric tangent was factored last.
@@ -257,26 +276,24 @@ class ParityFactor(Factor):
         StepFailed
             If a factorisation fails.
         """
-        found = [(self._symmetric.name, 1, self.excess_negatives)]
-        found += [(name, times, of.excess_negatives) for name, times, of in self._selected()]
+        found = [(self._classes[0].name, 1, self.excess_negatives)]
+        found += [(name, times, self.excess_negatives) for name, times in self._others()]
         self.counts = {name: int(count or 0) for name, _, count in found}
         return sum(times * self.counts[name] for name, times, _ in found)
 
     def of_classes(self) -> Iterator[tuple[str, Factor]]:
         """The symmetric class, then the others."""
         self.refresh()
-        yield self._symmetric.name, self
-        for name, _, of in self._selected():
-            yield name, of
+        yield self._classes[0].name, self
+        for name, _ in self._others():
+            yield name, self
 
-    def _selected(self) -> Iterator[tuple[str, int, Factor]]:
-        """The other classes in turn, with how often each counts, factored at the current state."""
-        self._tangent.take_state(self._of_others.matrix)
-        alike = len(self._others) == 3 and self._is_alike(self.problem.get_state())
-        for parity in self._others:
+    def _others(self) -> Iterator[tuple[str, int]]:
+        """The other classes in turn, with how often each counts, factored at the state of the last `refresh`."""
+        others = self._classes[1:]
+        alike = len(others) == 3 and self._is_alike(self._tangent.problem.get_state())
+        for parity in others:
             if alike and parity.name == "AS":
                 continue
-            self._tangent.select(parity)
-            self._of_others.refresh()
-            self.count += 1
-            yield parity.name, 2 if alike and parity.name == "SA" else 1, self._of_others
+            self._factor(parity)
+            yield parity.name, 2 if alike and parity.name == "SA" else 1

@@ -127,10 +127,13 @@ def test_a_pair_that_bends_sideways_is_counted_and_located(solved) -> None:
     one, other = dict(quarter.summary.crossing), whole.summary.crossing
     assert one.pop("parity_class") == "SA"
     assert set(one) == set(other)
-    # by the same bisection; Newton's tolerance is in its last digits
-    for key in one:
-        assert one[key] == (pytest.approx(other[key], rel=1e-5) if isinstance(other[key], float) else other[key]), key
-    assert one["pressure_kpa"] == pytest.approx(other["pressure_kpa"], rel=1e-8)
+    # the bisection ends early at a tangent that happens to be singular: how close it came is in the summary
+    apart = abs(one["pressure_kpa"] - other["pressure_kpa"])
+    within = [of["within_kpa"] for of in (one, other)]
+    assert apart < sum(within) and max(within) < 1e-4 * one["pressure_kpa"]
+    for key in set(one) - {"within_kpa"}:
+        near = pytest.approx(other[key], rel=1e-4) if isinstance(other[key], float) else other[key]
+        assert one[key] == near, key
 
 
 @pytest.mark.slow
