@@ -219,8 +219,8 @@ class ParityTangent:
 class ParityFactor(Factor):
     """Factor of a part's problem that counts the unstable modes of the whole body.
 
-    One matrix and one factor at a time serve all classes. Motions of bodies are the problem's own in equations, those of
-    the tangent, which pads them, in modes.
+    One matrix and one factor at a time serve all classes. Bodies have the problem's own motions in equations, and those
+    of the tangent, which are as many in each class, in modes.
 
     Parameters
     ----------
@@ -250,7 +250,7 @@ class ParityFactor(Factor):
         self._tangent.close()
 
     def refresh(self) -> None:
-        """Assemble the tangent at the current state, and factor that of the symmetric class; raises as `Factor` does."""
+        """Assemble the tangent at the current state and factor the symmetric class; raises as `Factor` does."""
         self._tangent.take_state(self.matrix)
         self._factor(self._classes[0])
 
