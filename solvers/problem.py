@@ -6,12 +6,12 @@ elastic layer. The parts are in `solvers.assembly`.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem
 from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
@@ -29,13 +29,14 @@ from solvers.assembly.volumes import volume_measure
 from solvers.bodies.bond import BondedBodies
 from solvers.bodies.rigid import RigidBodies
 from solvers.bodies.turning import Turning, turning_bodies
+from solvers.compat.known_forms import KnownForms
 from solvers.contact.contact import Contact
 from solvers.discrete.domain import Domain, FloatArray
 from solvers.discrete.elements import QUADRATURE_DEGREE, Element, usual_element
 from solvers.discrete.kinematics import Kinematics, kinematics
 from solvers.discrete.sums import Joint, dot
-from solvers.energy.forms import build_forms
-from solvers.energy.laws import Law
+from solvers.energy.forms import Forms, build_forms
+from solvers.energy.laws import Law, is_written_here
 from solvers.energy.loads import DEAD
 from solvers.energy.materials import Material, compile_parts, invariant_limits
 from solvers.state import State, Timer
@@ -72,6 +73,8 @@ class Problem:
     ----------
     unknowns
         Numbering and current values; the usual ones are also here by their names.
+    known_forms
+        Its forms, and those that others write of its functions.
     load, deformation
         The load on the solid, and how far its cells are deformed.
     parts, invariant_limits
@@ -112,15 +115,21 @@ class Problem:
         self.shear_modulus_mpa = min(float(m.law.initial_shear_modulus_mpa) for m in materials.values())
         self.contact: Contact | None = None
         self._number(materials, frame)
-        self.pressure = fem.Constant(domain.mesh, 0.0)
-        axes = None if frame is None else fem.Constant(domain.mesh, frame)
-        kin = kinematics(domain.mesh, domain.axisymmetric, axes)
+        has = (materials, self._jumping(materials), surfaces, stiff, bodies is not None, frame is not None)
+        how = (domain.axisymmetric, self.element, self.quadrature_degree)
+        tags = {"cell": domain.cell_tags, "exterior_facet": domain.facet_tags}
+        decides = (has, how) if all(is_written_here(m.law) for m in materials.values()) else None
+        self.known_forms = known = KnownForms(domain.mesh, tags, decides)
+        known.part(self.space)
+        known.part(self.state)
+        self.pressure = known.constant(0.0)
+        kin = kinematics(domain.mesh, domain.axisymmetric, None if frame is None else known.constant(frame))
         with self.timer("compile"):
             refuse_overlaps(domain)
         self._materials = materials
         numbers = [*materials, *([] if stiff is None else [STIFF])]
         self._measures = cell_measures(domain, self.quadrature_degree, numbers)
-        self.parts = compile_parts(materials, domain.mesh, self._measures, self._jumping(materials))
+        self.parts = compile_parts(materials, known.constant, self._measures, self._jumping(materials))
         self.law, self.invariant_limits = self.parts[0].law, invariant_limits(self.parts)
         with self.timer("compile"):
             self._compile(kin)
@@ -151,21 +160,31 @@ class Problem:
         # of a higher degree the load is a potential, as its form is, only if both are integrated exactly
         richer = self.element.displacement_degree > 2
         ds = self.domain.ds(degree=3 * self.element.displacement_degree - 1 if richer else degree)
-        solid = build_forms(self.space, self.state, kin, self.parts, self.stiff, self._measures.get(STIFF))
-        internal, energy = solid.internal_force, solid.energy
-        self.load = Load(kind, ds(loaded), self.unknowns, kin, self.pressure, self.timer)
-        tangents = self.load.tangents(solid.tangent)
-        self.bonded: BondedBodies | None = None
+        known = self.known_forms
+
+        @functools.cache
+        def solid() -> Forms:
+            return build_forms(self.space, self.state, kin, self.parts, self.stiff, self._measures.get(STIFF))
+
+        self.load = Load(kind, ds(loaded), self.unknowns, kin, self.pressure, self.timer, known)
+        bonded: BondedBodies | None = None
         self.turning: Turning | None = None
         if bodies is not None and bond is not None:
-            self.bonded = BondedBodies(self.unknowns, kin, bodies, ds(bond), self.load)
-            self.turning = turning_bodies(self.unknowns, bodies, self.bonded.border.dofs)
-            internal, energy = internal + self.bonded.forms.internal_force, energy + self.bonded.forms.energy
-            tangents = {key: form + self.bonded.forms.tangent for key, form in tangents.items()}
-        self._internal, self._energy = compat.compile_form(internal), compat.compile_form(energy)
+            bonded = BondedBodies(self.unknowns, kin, bodies, ds(bond), self.load, known)
+            self.turning = turning_bodies(self.unknowns, bodies, bonded.border.dofs)
+        self.bonded = bonded
+
+        def with_bond(name: str, of_solid: Any) -> Any:
+            return of_solid if bonded is None else of_solid + getattr(bonded.forms, name)
+
+        self._internal = known.compile("internal force", lambda: with_bond("internal_force", solid().internal_force))
+        self._energy = known.compile("energy", lambda: with_bond("energy", solid().energy))
         self.load.compile(closed=bodies is not None and bodies.plate is not None and bodies.plate_closes)
         self.conservative = self.load.conservative
-        self._tangent = compat.compile_form(tangents[self.conservative])
+        self._tangent = known.compile(
+            f"tangent, {'symmetric' if self.conservative else 'not symmetric'}",
+            lambda: with_bond("tangent", self.load.tangent(solid().tangent)),
+        )
         laws = {number: material.law for number, material in self._materials.items()}
         self.deformation = Deformation(self.unknowns, kin, degree, self.timer, self.parts, laws)
 
@@ -173,16 +192,20 @@ class Problem:
         """What residuals of the volume and volumes are measured by."""
         weight, dx = kin.measure, ufl.dx(domain=self.domain.mesh, degree=self.quadrature_degree)
         self.volume_measure = (weight, dx)
-        with self.timer("compile"):
+
+        def cells() -> Any:
             tests = ufl.TestFunctions(self.space)[1:]
             of_parts = [tests[part.field] * weight * part.measure for part in self.parts]
-            form = compat.compile_form(sum(of_parts[1:], of_parts[0]) if len(tests) > 1 else tests[0] * weight * dx)
+            return sum(of_parts[1:], of_parts[0]) if len(tests) > 1 else tests[0] * weight * dx
+
+        with self.timer("compile"):
+            form = self.known_forms.compile("cells", cells)
         unit = compat.assemble_array(form, self.index_map)
         self.volume_scale = float(np.sqrt(dot(self.comm, unit, unit)))
         body = float(self.comm.allreduce(float(unit.sum()), op=MPI.SUM))
         self.volume_start_mm3, self.volume_unit_mm3 = 0.0, body
         if self.load.kind not in DEAD:
-            self.volume_start_mm3, self.volume_unit_mm3 = volume_measure(self.cavity_volume(), self.load.area(kin))
+            self.volume_start_mm3, self.volume_unit_mm3 = volume_measure(self.cavity_volume(), self.load.area())
 
     # ---- equations -------------------------------------------------------------------------------------
 

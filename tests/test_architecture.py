@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 import ufl
-from dolfinx import fem
 from mpi4py import MPI
 
 from analytical.exact.homogeneous import nominal_stress_mpa
@@ -42,7 +41,7 @@ def recipe(name: str, **known: Any) -> dict[str, Any]:
 
 
 def test_a_law_is_added(strip, sides, make_problem) -> None:
-    known = {"ufl": ufl, "fem": fem, "compile_law": compile_law, "CompiledLaw": CompiledLaw}
+    known = {"ufl": ufl, "compile_law": compile_law, "CompiledLaw": CompiledLaw}
     law = recipe("law", hessian_of_i1_law=hessian_of_i1_law, **known)["Gent"](0.05, 30.0)
 
     def energy(l1: Any, l2: Any, l3: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,10 @@ from mpi4py import MPI
 
 from solvers import compat
 from solvers.assembly.unknowns import Unknowns
+from solvers.compat.known_forms import KnownForms
 from solvers.discrete.domain import FloatArray
 from solvers.discrete.kinematics import Kinematics
-from solvers.energy.loads import LoadKind, load_forms, load_tangent
+from solvers.energy.loads import LoadForms, LoadKind, load_forms, load_tangent
 from solvers.state import Timer
 
 # Potential and traction form of a load are one load if their work on random directions differs by less than this.
@@ -32,6 +34,8 @@ class Load:
         The load factor P.
     timer
         Takes the seconds of assembly.
+    known
+        Forms of the problem.
 
     Attributes
     ----------
@@ -40,19 +44,27 @@ class Load:
     """
 
     def __init__(
-        self, kind: LoadKind, measure: Any, unknowns: Unknowns, kin: Kinematics, factor: fem.Constant, timer: Timer
+        self,
+        kind: LoadKind,
+        measure: Any,
+        unknowns: Unknowns,
+        kin: Kinematics,
+        factor: fem.Constant,
+        timer: Timer,
+        known: KnownForms,
     ) -> None:
         self.kind, self.factor = kind, factor
-        self._unknowns, self._timer = unknowns, timer
-        self._forms, self._measure = load_forms(kind, unknowns.space, unknowns.state, kin, measure), measure
+        self._unknowns, self._kin, self._measure = unknowns, kin, measure
+        self._timer, self._known = timer, known
 
-    def tangents(self, internal: Any) -> dict[bool, Any]:
-        """UFL tangents of internal force and load, for a load that is conservative or not."""
+    @functools.cached_property
+    def _forms(self) -> LoadForms:
+        return load_forms(self.kind, self._unknowns.space, self._unknowns.state, self._kin, self._measure)
+
+    def tangent(self, internal: Any) -> Any:
+        """UFL tangent of internal force and load, once they are compiled."""
         space, state = self._unknowns.space, self._unknowns.state
-        return {
-            conservative: load_tangent(internal, self._forms, self.kind, conservative, space, state, self.factor)
-            for conservative in (True, False)
-        }
+        return load_tangent(internal, self._forms, self.kind, self.conservative, space, state, self.factor)
 
     def compile(self, closed: bool) -> None:
         """Compile the forms and find out if the load is conservative; the unknowns are zero, and are so again then.
@@ -63,16 +75,16 @@ class Load:
             True if a plate closes the cavity and its rim moves: then the potential is the load, and the wall's traction
             only a part of it.
         """
-        self._volume = compat.compile_form(self._forms.volume)
-        self._gradient = compat.compile_form(self._forms.volume_gradient)
-        self._traction = compat.compile_form(self._forms.traction)
+        self._volume = self._known.compile("volume", lambda: self._forms.volume)
+        self._gradient = self._known.compile("volume gradient", lambda: self._forms.volume_gradient)
+        self._traction = self._known.compile("traction", lambda: self._forms.traction)
         self.conservative = closed or self._difference() <= SAME_LOAD
 
-    def area(self, kin: Kinematics) -> float:
+    def area(self) -> float:
         """Unloaded area of the loaded surface, mm^2."""
         with self._timer("compile"):
-            one = fem.Constant(self._unknowns.domain.mesh, 1.0)
-            form = compat.compile_form(one * kin.measure * self._measure)
+            one = self._known.constant(1.0)
+            form = self._known.compile("loaded area", lambda: one * self._kin.measure * self._measure)
         return compat.assemble_scalar(form, self._unknowns.comm)
 
     @property

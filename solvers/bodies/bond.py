@@ -18,6 +18,7 @@ the state's: those of perturbations that do not share its symmetry (`solvers.sta
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from typing import Any
 
@@ -34,6 +35,7 @@ from solvers.assembly.tangent import Border, bonded_dofs
 from solvers.assembly.unknowns import Unknowns
 from solvers.bodies.plate import enclosed_by_plate
 from solvers.bodies.rigid import AXIAL, RigidBodies, as_six, moved
+from solvers.compat.known_forms import KnownForms
 from solvers.discrete.domain import Domain, FloatArray, IntArray
 from solvers.discrete.kinematics import Kinematics
 from solvers.energy.forms import Forms
@@ -54,11 +56,11 @@ class BondedBodies:
         Facet measure of the bonded surfaces, quadrature degree included.
     load
         Of the problem: it acts on a plate too.
+    known
+        Forms of the problem.
 
     Attributes
     ----------
-    forms
-        UFL forms of the bond's energy and its derivatives by the dofs.
     values, is_held
         Unknowns of the bodies, shape (bodies, motions), and which are held, shape (size,).
     motions
@@ -74,6 +76,7 @@ class BondedBodies:
         bodies: RigidBodies,
         measure: Any,
         load: Load,
+        known: KnownForms,
     ) -> None:
         domain, space = unknowns.domain, unknowns.space
         mesh = domain.mesh
@@ -88,61 +91,88 @@ class BondedBodies:
         # cells between two bodies have dofs of both, their bonded facets never
         self.border = Border(space, [d[~unknowns.constrained_owned[d]] for d in dofs], len(self.motions))
         self._index_map = unknowns.index_map
-        grade = _nodal_function(domain, bodies.grade)
-        normal = fem.Constant(mesh, bodies.normal_mpa_per_mm)
-        tangential = fem.Constant(mesh, bodies.tangential_mpa_per_mm)
-
-        self._translation = fem.Function(compat.function_space(mesh, ("DG", 0), (3,)))
-        self._rotation = fem.Function(compat.function_space(mesh, ("DG", 0), (3, 3)))
-        centre = fem.Function(compat.function_space(mesh, ("DG", 0), (3,)))
-        axial = 1 if domain.axisymmetric else 2
-        for body, cells in enumerate(self.cells):
-            centre.x.array.reshape(-1, 3)[cells, axial] = bodies.centres_mm[body]
-        self._shifts = [fem.Constant(mesh, np.zeros(3)) for _ in range(2)]
-        self._spins = [fem.Constant(mesh, np.zeros(3)) for _ in range(2)]
-
-        u, v, du = (
-            kin.three(ufl.split(f)[0]) for f in (unknowns.state, ufl.TestFunction(space), ufl.TrialFunction(space))
+        self._space, self._state, self._kin, self.measure = space, unknowns.state, kin, measure
+        self.grade = known.part(_nodal_function(domain, bodies.grade))
+        self._normal, self._tangential = (
+            known.constant(stiffness) for stiffness in (bodies.normal_mpa_per_mm, bodies.tangential_mpa_per_mm)
         )
-        arm = kin.three(kin.position) - centre
-        back = self._rotation.T
-        y = back * (arm + u - self._translation)
-        n = kin.normal
-        weight = grade * kin.measure
+        vectors, turns = (compat.function_space(mesh, ("DG", 0), shape) for shape in ((3,), (3, 3)))
+        self._translation, self._rotation = known.function(vectors), known.function(turns)
+        self._centre = known.function(vectors)
+        self._axial = 1 if domain.axisymmetric else 2
+        for body, cells in enumerate(self.cells):
+            self._centre.x.array.reshape(-1, 3)[cells, self._axial] = bodies.centres_mm[body]
+        self._shifts = [known.constant(np.zeros(3)) for _ in range(2)]
+        self._spins = [known.constant(np.zeros(3)) for _ in range(2)]
+        self._per_cell = known.part(compat.function_space(mesh, ("DG", 0)))
+        self._cell_map = self._per_cell.dofmap.index_map
+        self._column_form = known.compile("bond column", lambda: self._by_bodies["column"])
+        self._block_form = known.compile("bond block", lambda: self._by_bodies["block"])
+        self._force_form = known.compile("bond force", lambda: self._by_bodies["force"])
+        weight = self.grade * kin.measure
+        self._slip_form = known.compile("bond slip", lambda: ufl.inner(self.slip, self.slip) * weight * measure)
+        self._area_form = known.compile("bond area", lambda: weight * measure)
+        self.update(np.zeros(0))
 
-        def traction(e: Any) -> Any:
-            along = ufl.inner(e, n) * n
-            return normal * along + tangential * (e - along)
+    # ---- forms, in UFL; what the harmonics of an axisymmetric state need of them has no underscore -------------
+
+    @functools.cached_property
+    def arm(self) -> Any:
+        """``X - c``."""
+        return self._kin.three(self._kin.position) - self._centre
+
+    @functools.cached_property
+    def _slipped(self) -> Any:
+        """``y = e + X - c``."""
+        u = self._kin.three(ufl.split(self._state)[0])
+        return self._rotation.T * (self.arm + u - self._translation)
+
+    @functools.cached_property
+    def slip(self) -> Any:
+        """``e``."""
+        return self._slipped - self.arm
+
+    def traction(self, slip: Any) -> Any:
+        """Traction of the layer at a slip, MPa, without the grade."""
+        n = self._kin.normal
+        along = ufl.inner(slip, n) * n
+        return self._normal * along + self._tangential * (slip - along)
+
+    @functools.cached_property
+    def forms(self) -> Forms:
+        """Of the bond's energy and its derivatives by the dofs."""
+        at, back = self.grade * self._kin.measure, self._rotation.T
+        v, du = (self._kin.three(ufl.split(of(self._space))[0]) for of in (ufl.TestFunction, ufl.TrialFunction))
+        pull = self.traction(self.slip)
+        return Forms(
+            internal_force=ufl.inner(pull, back * v) * at * self.measure,
+            tangent=ufl.inner(self.traction(back * du), back * v) * at * self.measure,
+            energy=0.5 * ufl.inner(pull, self.slip) * at * self.measure,
+        )
+
+    @functools.cached_property
+    def _by_bodies(self) -> dict[str, Any]:
+        """Derivatives by motions of the bodies, directions 0 and 1: column with the dofs, block and force by cell."""
+        back, y, pull = self._rotation.T, self._slipped, self.traction(self.slip)
+        v, pick = self._kin.three(ufl.split(ufl.TestFunction(self._space))[0]), ufl.TestFunction(self._per_cell)
+        s0, s1 = self._spins
+        d0, d1 = (back * shift for shift in self._shifts)
 
         def first(k: int) -> Any:
             return -ufl.cross(self._spins[k], y) - back * self._shifts[k]
 
-        slip = y - arm
-        pull = traction(slip)
-        # what the harmonics of an axisymmetric state need of the bond
-        self.arm, self.slip, self.traction, self.grade, self.measure = arm, slip, traction, grade, measure
-        s0, s1 = self._spins
-        d0, d1 = (back * shift for shift in self._shifts)
         second = (
             0.5 * (ufl.cross(s0, ufl.cross(s1, y)) + ufl.cross(s1, ufl.cross(s0, y)))
             + ufl.cross(s1, d0)
             + ufl.cross(s0, d1)
         )
-        energy = 0.5 * ufl.inner(pull, slip) * weight * measure
-        force = ufl.inner(pull, back * v) * weight * measure
-        self.forms = Forms(force, ufl.inner(traction(back * du), back * v) * weight * measure, energy)
-        per_cell = compat.function_space(mesh, ("DG", 0))
-        pick = ufl.TestFunction(per_cell)
-        self._cell_map = per_cell.dofmap.index_map
-        column = (ufl.inner(traction(first(0)), back * v) - ufl.inner(pull, ufl.cross(s0, back * v))) * weight * measure
-        block = (ufl.inner(traction(first(0)), first(1)) + ufl.inner(pull, second)) * pick * weight * measure
-        self._column_form = compat.compile_form(column)
-        self._block_form = compat.compile_form(block)
-        self._force_form = compat.compile_form(ufl.inner(pull, first(0)) * pick * weight * measure)
-        self._slip_form = compat.compile_form(ufl.inner(slip, slip) * weight * measure)
-        self._area_form = compat.compile_form(weight * measure)
-        self._axial = axial
-        self.update(np.zeros(0))
+        pulled = self.traction(first(0))
+        at, ds = self.grade * self._kin.measure, self.measure
+        return {
+            "column": (ufl.inner(pulled, back * v) - ufl.inner(pull, ufl.cross(s0, back * v))) * at * ds,
+            "block": (ufl.inner(pulled, first(1)) + ufl.inner(pull, second)) * pick * at * ds,
+            "force": ufl.inner(pull, first(0)) * pick * at * ds,
+        }
 
     @property
     def size(self) -> int:

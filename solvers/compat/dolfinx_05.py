@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import importlib.machinery
+import importlib.util
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +17,8 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 JIT_KEYWORD = "jit_params"
+# See `solvers.compat.known_forms`.
+TAKES_PARTS = True
 ADD = la.ScatterMode.add
 
 
@@ -89,3 +95,48 @@ def kernels(form: Any, inner: Any, kind: Any, place: int) -> list[tuple[int, Any
     count = ufcx.num_integrals(place)
     known = {ufcx.integral_ids(place)[i]: ufcx.integrals(place)[i] for i in range(count)}
     return [(key, known[key]) for key in inner.integral_ids(kind)] if count else []
+
+
+# ---- forms of known parts: see `solvers.compat.known_forms` ------------------------------------------------
+
+
+def parts_of(
+    form: Any, options: dict[str, Any], place: Callable[[Any], tuple[int, str]], tags: Mapping[str, Any]
+) -> dict[str, Any]:
+    """The module of a UFL form that has been compiled, and the places of what it is made of."""
+    _, module, _ = jit.ffcx_jit(form.ufl_domain().ufl_cargo().comm, form, jit_params=options)
+    (data,) = form.subdomain_data().values()
+    used = [kind for kind, value in data.items() if value is not None]
+    assert all(data[kind] is tags[kind] for kind in used), "a form has other tags than the problem"
+    return {
+        "module": module.__name__,
+        "spaces": [place(argument.ufl_function_space()) for argument in form.arguments()],
+        "functions": [place(function) for function in form.coefficients()],
+        "constants": [place(constant) for constant in form.constants()],
+        "tags": used,
+    }
+
+
+def form_of_parts(
+    name: str, parts: Mapping[str, list[Any]], tags: Mapping[str, Any], mesh: dmesh.Mesh, options: dict[str, Any]
+) -> Any:
+    """The form of a module in the cache, made as `dolfinx.fem.form` does; None if the module is not there."""
+    file = Path(jit_settings(options)["cache_dir"]) / f"{name}{importlib.machinery.EXTENSION_SUFFIXES[0]}"
+    if not file.with_name(f"{name}.c.cached").exists() or not file.exists():
+        return None
+    spec = importlib.util.spec_from_file_location(name, file)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    (form,) = (getattr(module.lib, key) for key in dir(module.lib) if key.startswith("form_"))
+    functions = [
+        parts["functions"][form.original_coefficient_position[i]]._cpp_object for i in range(form.num_coefficients)
+    ]
+    kinds = ("cell", "exterior_facet", "interior_facet", "vertex")
+    markers = {getattr(fem.IntegralType, kind): tags.get(kind) for kind in kinds}
+    spaces, constants = ([part._cpp_object for part in parts[kind]] for kind in ("spaces", "constants"))
+    return _Form(form, spaces, functions, constants, markers, mesh._mesh, module.ffi, (None, None))
+
+
+class _Form(fem.forms.FormMetaClass, cpp.fem.Form_float64):  # type: ignore[misc]
+    """What `dolfinx.fem.form` makes in double precision."""

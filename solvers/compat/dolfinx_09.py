@@ -14,6 +14,8 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 JIT_KEYWORD = "jit_options"
+# See `solvers.compat.known_forms`.
+TAKES_PARTS = False
 ADD = la.InsertMode.add
 
 

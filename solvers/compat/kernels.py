@@ -14,6 +14,8 @@ from solvers.compat import packed, stack
 
 # Places of the types of integrals in a form are the same in all versions.
 _TYPES = (IntegralType.cell, IntegralType.exterior_facet)
+# It parses the name of a type once.
+_FFI = cffi.FFI()
 
 
 @dataclass(frozen=True)
@@ -40,14 +42,14 @@ def integrals(form: Any) -> tuple[list[Integral], NDArray[np.float64]]:
     """Integrals of a compiled form that this rank has a part of, in the order of dolfinx, and the form's constants."""
     inner, constants, coefficients = packed(form)
     assert set(inner.integral_types) <= set(_TYPES)
-    found, ffi = [], cffi.FFI()
+    found = []
     for place, kind in enumerate(_TYPES):
         for key, integral in stack.kernels(form, inner, kind, place):
             entities = np.asarray(inner.domains(kind, key), dtype=np.int32)
             if not entities.size:
                 continue
             cells, facets = entities.reshape(-1, 2).T if place else (entities, np.zeros_like(entities))
-            address = int(ffi.cast("uintptr_t", integral.tabulate_tensor_float64))
+            address = int(_FFI.cast("uintptr_t", integral.tabulate_tensor_float64))
             at = (np.ascontiguousarray(cells), np.ascontiguousarray(facets))
             found.append(Integral(address, *at, np.ascontiguousarray(coefficients[kind, key])))
     return found, np.ascontiguousarray(constants)

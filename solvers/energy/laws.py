@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem
 
 from analytical.laws.isotropic import Guccione, Law, NeoHooke, Ogden, OgdenSeries, Yeoh
 from analytical.laws.of_invariants import ArrudaBoyce, Gent, MooneyRivlin
@@ -22,6 +21,7 @@ from solvers.energy.ogden import FIT_RANGE, power_trace, trace_derivatives
 from solvers.errors import SolverError
 
 Derivatives = dict[tuple[int, int], Any]
+Constant = Callable[[Any], Any]
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class CompiledLaw:
 
 
 @singledispatch
-def compile_law(law: Law, mesh: Any) -> CompiledLaw:
+def compile_law(law: Law, constant: Constant) -> CompiledLaw:
     """Bind a material law to a mesh; a new law registers what does it (docs/architecture.md).
 
     Parameters
@@ -56,8 +56,8 @@ def compile_law(law: Law, mesh: Any) -> CompiledLaw:
         mu/alpha (initial shear modulus mu alpha/2) by its named convention; Guccione, isotropic,
         ``W = C/2 (exp(b E:E) - 1)``, initial shear modulus b C/2; Mooney-Rivlin, Gent, Arruda-Boyce
         (`analytical.laws.of_invariants`). MPa.
-    mesh
-        dolfinx mesh that owns the constants.
+    constant
+        Makes a UFL constant of a number or some.
 
     Returns
     -------
@@ -71,25 +71,30 @@ def compile_law(law: Law, mesh: Any) -> CompiledLaw:
     raise SolverError(f"no finite-element form for the law {type(law).__name__}: register one with compile_law")
 
 
-@compile_law.register
-def _(law: NeoHooke, mesh: Any) -> CompiledLaw:
-    return _polynomial((0.5 * law.mu_mpa,), mesh)
+def is_written_here(law: Law) -> bool:
+    """True of a law of this project that this file writes, so that its source is known."""
+    return type(law).__module__.startswith("analytical.") and compile_law.dispatch(type(law)).__module__ == __name__
 
 
 @compile_law.register
-def _(law: Yeoh, mesh: Any) -> CompiledLaw:
-    return _polynomial(tuple(law.c_mpa), mesh)
+def _(law: NeoHooke, constant: Constant) -> CompiledLaw:
+    return _polynomial((0.5 * law.mu_mpa,), constant)
 
 
 @compile_law.register
-def _(law: ArrudaBoyce, mesh: Any) -> CompiledLaw:
-    return _polynomial(law.c_mpa, mesh)
+def _(law: Yeoh, constant: Constant) -> CompiledLaw:
+    return _polynomial(tuple(law.c_mpa), constant)
 
 
 @compile_law.register
-def _(law: Gent, mesh: Any) -> CompiledLaw:
+def _(law: ArrudaBoyce, constant: Constant) -> CompiledLaw:
+    return _polynomial(law.c_mpa, constant)
+
+
+@compile_law.register
+def _(law: Gent, constant: Constant) -> CompiledLaw:
     """``W = -mu J/2 ln(1 - (I1 - 3)/J)``."""
-    mu, limit = fem.Constant(mesh, float(law.mu_mpa)), fem.Constant(mesh, float(law.limit))
+    mu, limit = constant(law.mu_mpa), constant(law.limit)
 
     @cache
     def derivatives(i1: Any, i2: Any) -> Derivatives:
@@ -102,9 +107,9 @@ def _(law: Gent, mesh: Any) -> CompiledLaw:
 
 
 @compile_law.register
-def _(law: MooneyRivlin, mesh: Any) -> CompiledLaw:
+def _(law: MooneyRivlin, constant: Constant) -> CompiledLaw:
     """``W = C10 x + C01 y + C11 x y + C20 x^2 + C02 y^2``, x = I1 - 3, y = I2 - 3; one compilation for any of them."""
-    c10, c01, c11, c20, c02 = fem.Constant(mesh, np.asarray(law.constants_mpa, dtype=np.float64))
+    c10, c01, c11, c20, c02 = constant(law.constants_mpa)
 
     @cache
     def derivatives(i1: Any, i2: Any) -> Derivatives:
@@ -121,8 +126,8 @@ def _(law: MooneyRivlin, mesh: Any) -> CompiledLaw:
     return CompiledLaw(derivatives, True, (np.inf, np.inf))
 
 
-def _polynomial(coefficients: tuple[float, ...], mesh: Any) -> CompiledLaw:
-    c = fem.Constant(mesh, np.asarray(coefficients, dtype=np.float64))
+def _polynomial(coefficients: tuple[float, ...], constant: Constant) -> CompiledLaw:
+    c = constant(coefficients)
 
     @cache
     def derivatives(i1: Any, i2: Any) -> Derivatives:
@@ -139,13 +144,13 @@ def _polynomial(coefficients: tuple[float, ...], mesh: Any) -> CompiledLaw:
 
 
 @compile_law.register
-def _(law: Ogden, mesh: Any) -> CompiledLaw:
-    return CompiledLaw(_power(law.alpha, law.prefactor_mpa, mesh), True, _POWER_LIMITS)
+def _(law: Ogden, constant: Constant) -> CompiledLaw:
+    return CompiledLaw(_power(law.alpha, law.prefactor_mpa, constant), True, _POWER_LIMITS)
 
 
 @compile_law.register
-def _(law: OgdenSeries, mesh: Any) -> CompiledLaw:
-    terms = [_power(alpha, k, mesh) for alpha, k in zip(law.alpha, law.prefactors_mpa, strict=True)]
+def _(law: OgdenSeries, constant: Constant) -> CompiledLaw:
+    terms = [_power(alpha, k, constant) for alpha, k in zip(law.alpha, law.prefactors_mpa, strict=True)]
 
     @cache
     def derivatives(i1: Any, i2: Any) -> Derivatives:
@@ -160,26 +165,24 @@ def _(law: OgdenSeries, mesh: Any) -> CompiledLaw:
 _POWER_LIMITS = (FIT_RANGE[1], 1.0 / FIT_RANGE[0])
 
 
-def _power(alpha: float, prefactor_mpa: float, mesh: Any) -> Callable[[Any, Any], Derivatives]:
+def _power(alpha: float, prefactor_mpa: float, constant: Constant) -> Callable[[Any, Any], Derivatives]:
     """``k (sum lambda_i^alpha - 3)`` and its derivatives."""
     shape = power_trace(alpha)
-    prefactor = fem.Constant(mesh, float(prefactor_mpa))
-    constant = fem.Constant(mesh, float(shape.constant))
-    poles = fem.Constant(mesh, np.asarray(shape.poles or (0.0,), dtype=np.float64))
-    weights = fem.Constant(mesh, np.asarray(shape.weights or (0.0,), dtype=np.float64))
+    prefactor, rest = constant(prefactor_mpa), constant(shape.constant)
+    poles, weights = constant(shape.poles or (0.0,)), constant(shape.weights or (0.0,))
 
     @cache
     def derivatives(i1: Any, i2: Any) -> Derivatives:
-        d = trace_derivatives(i1, i2, shape, constant, poles, weights)
+        d = trace_derivatives(i1, i2, shape, rest, poles, weights)
         return {k: prefactor * ((v - 3.0) if k == (0, 0) else v) for k, v in d.items()}
 
     return derivatives
 
 
 @compile_law.register
-def _(law: Guccione, mesh: Any) -> CompiledLaw:
+def _(law: Guccione, constant: Constant) -> CompiledLaw:
     """``W = C/2 (exp(Q) - 1)``, ``Q = b E:E = b/4 (I1^2 - 2 I2 - 2 I1 + 3)``, of the isochoric part of the strain."""
-    c, b = fem.Constant(mesh, float(law.c_mpa)), fem.Constant(mesh, float(law.b))
+    c, b = constant(law.c_mpa), constant(law.b)
 
     @cache
     def derivatives(i1: Any, i2: Any) -> Derivatives:

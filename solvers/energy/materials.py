@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from dolfinx import fem
 
-from solvers.energy.laws import CompiledLaw, Law, compile_law
+from solvers.energy.laws import CompiledLaw, Constant, Law, compile_law
 
 
 @dataclass(frozen=True)
@@ -44,7 +43,7 @@ class Part:
 
 
 def compile_parts(
-    materials: Mapping[int, Material], mesh: Any, measures: Mapping[int, Any], fields: Sequence[int]
+    materials: Mapping[int, Material], constant: Constant, measures: Mapping[int, Any], fields: Sequence[int]
 ) -> tuple[Part, ...]:
     """The parts of a mesh; numbers of materials are UFL constants, so that new ones need no compilation.
 
@@ -52,8 +51,8 @@ def compile_parts(
     ----------
     materials
         By the cells' numbers.
-    mesh
-        dolfinx mesh that owns the constants.
+    constant
+        As in `compile_law`.
     measures
         Cell measure of each number.
     fields
@@ -62,8 +61,8 @@ def compile_parts(
     return tuple(
         Part(
             number,
-            compile_law(material.law, mesh),
-            fem.Constant(mesh, float(material.inverse_kappa)),
+            compile_law(material.law, constant),
+            constant(material.inverse_kappa),
             measures[number],
             fields.index(number) if fields else 0,
         )

@@ -12,17 +12,18 @@ the angle, so that their own averages are taken. With rotations linearised rings
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem
 from numpy.typing import NDArray
 
 from solvers import compat
 from solvers.bodies.bond import BondedBodies
 from solvers.bodies.rigid import AXIAL, RigidBodies
+from solvers.compat.known_forms import KnownForms
 from solvers.discrete.domain import FloatArray
 from solvers.discrete.kinematics import Kinematics
 from solvers.stability.harmonic_forms import Wave
@@ -82,30 +83,43 @@ class HarmonicBond:
         Kinematics of the meridian.
     wave
         The harmonic.
+    known
+        Forms of the harmonics.
     """
 
-    def __init__(self, bonded: BondedBodies, bodies: RigidBodies, space: Any, kin: Kinematics, wave: Wave) -> None:
-        self._bonded, self._bodies = bonded, bodies
-        mesh = space.mesh
+    def __init__(
+        self, bonded: BondedBodies, bodies: RigidBodies, space: Any, kin: Kinematics, wave: Wave, known: KnownForms
+    ) -> None:
+        self._bonded, self._bodies, self._space, self._wave = bonded, bodies, space, wave
         self._index_map = space.dofmap.index_map
-        v, dv = (wave.amplitudes(f(space)[0]) for f in (ufl.TestFunctions, ufl.TrialFunctions))
-        per_cell = compat.function_space(mesh, ("DG", 0))
-        self._cell_map, pick = per_cell.dofmap.index_map, ufl.TestFunction(per_cell)
-        scale, at = bonded.grade * wave.weight * kin.position[0], bonded.measure
-        self._shifts = [fem.Constant(mesh, np.zeros(3)) for _ in range(2)]
-        self._turns = [fem.Constant(mesh, np.zeros((3, 3))) for _ in range(2)]
-        self._twice, self._mixed = fem.Constant(mesh, np.zeros((3, 3))), fem.Constant(mesh, np.zeros(3))
-        y, pull = bonded.arm + bonded.slip, bonded.traction(bonded.slip)
-        e0, e1 = (-shift - turn * y for shift, turn in zip(self._shifts, self._turns, strict=True))
-        self.stiffness = ufl.inner(bonded.traction(dv), v) * scale * at
-        # W is skew: pull . (-W v) = (W pull) . v
-        self._column = (ufl.inner(bonded.traction(e0), v) + ufl.inner(self._turns[0] * pull, v)) * scale * at
-        second = ufl.inner(pull, self._twice * y + self._mixed)
-        self._block = (ufl.inner(bonded.traction(e0), e1) + second) * pick * scale * at
+        self._per_cell = known.part(compat.function_space(space.mesh, ("DG", 0)))
+        self._cell_map = self._per_cell.dofmap.index_map
+        self._scale = bonded.grade * wave.weight * kin.position[0]
+        self._shifts = [known.constant(np.zeros(3)) for _ in range(2)]
+        self._turns = [known.constant(np.zeros((3, 3))) for _ in range(2)]
+        self._twice, self._mixed = known.constant(np.zeros((3, 3))), known.constant(np.zeros(3))
+        self._column = known.compile("bond column", lambda: self._by_bodies["column"])
+        self._block = known.compile("bond block", lambda: self._by_bodies["block"])
 
-    def compile(self) -> None:
-        """Compile the forms of columns and blocks."""
-        self._column, self._block = compat.compile_form(self._column), compat.compile_form(self._block)
+    @property
+    def stiffness(self) -> Any:
+        """What the bond adds to the tangent, in UFL."""
+        v, dv = (self._wave.amplitudes(f(self._space)[0]) for f in (ufl.TestFunctions, ufl.TrialFunctions))
+        return ufl.inner(self._bonded.traction(dv), v) * self._scale * self._bonded.measure
+
+    @functools.cached_property
+    def _by_bodies(self) -> dict[str, Any]:
+        """Derivatives by motions of the bodies, in UFL: column with the dofs, block by cell."""
+        of, scale = self._bonded, self._scale
+        v, pick = self._wave.amplitudes(ufl.TestFunctions(self._space)[0]), ufl.TestFunction(self._per_cell)
+        y, pull = of.arm + of.slip, of.traction(of.slip)
+        e0, e1 = (-shift - turn * y for shift, turn in zip(self._shifts, self._turns, strict=True))
+        second = ufl.inner(pull, self._twice * y + self._mixed)
+        return {
+            # W is skew: pull . (-W v) = (W pull) . v
+            "column": (ufl.inner(of.traction(e0), v) + ufl.inner(self._turns[0] * pull, v)) * scale * of.measure,
+            "block": (ufl.inner(of.traction(e0), e1) + second) * pick * scale * of.measure,
+        }
 
     def held(self, waves: int) -> NDArray[np.bool_]:
         """Which motions of the bodies the harmonic does not have or a support holds, shape (bodies, 2)."""

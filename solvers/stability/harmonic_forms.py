@@ -33,14 +33,13 @@ from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem
 
 from analytical.laws.stiff import StiffSolid
 from solvers.assembly.surfaces import SOFT, STIFF
 from solvers.discrete.domain import FloatArray
 from solvers.discrete.kinematics import Kinematics
 from solvers.energy.forms import invariants, soft_stress_increment, stiff_stress_increment
-from solvers.energy.laws import CompiledLaw
+from solvers.energy.laws import CompiledLaw, Constant
 
 
 @dataclass(frozen=True)
@@ -88,9 +87,9 @@ class Wave:
         return np.column_stack([a, c, s - float(self.blend.value) * a])
 
 
-def new_wave(mesh: Any) -> Wave:
-    """Constants of a mesh, set to m = 0."""
-    wave = Wave(*(fem.Constant(mesh, 0.0) for _ in range(3)))
+def new_wave(constant: Constant) -> Wave:
+    """Constants, set to m = 0; ``constant`` makes them."""
+    wave = Wave(*(constant(0.0) for _ in range(3)))
     wave.set(0)
     return wave
 

@@ -109,7 +109,9 @@ class Harmonics:
         self.bodies = 0 if problem.bonded is None else problem.bonded.count
         self.extra = MOTIONS * self.bodies
         self.bond: HarmonicBond | None = None
-        self._wave = new_wave(mesh)
+        self._known = problem.known_forms.more("harmonics")
+        self._known.part(self.space)
+        self._wave = new_wave(self._known.constant)
         self._number_unknowns()
         self._find_supports()
         self._border = Border(self.space, bonded_dofs(self.domain, self.space, 3, self.bodies), MOTIONS)
@@ -123,23 +125,21 @@ class Harmonics:
         kin = kinematics(mesh, True)
         ds = self.domain.ds(degree=degree)
         measures = cell_measures(self.domain, degree, (SOFT,) if problem.stiff is None else (SOFT, STIFF))
-        inverse_kappa = fem.Constant(mesh, problem.inverse_kappa)
-        wave = self._wave
-        tangent = harmonic_tangent(
-            self.space, problem.state, kin, problem.law, inverse_kappa, problem.stiff, measures, wave
-        )
-        kind, loaded = problem.surfaces.load
-        if kind == "suction":
-            tangent += problem.pressure * harmonic_load(self.space, problem.state, kin, ds(loaded), wave)
-        elif kind not in DEAD:
-            tangent -= problem.pressure * harmonic_load(self.space, problem.state, kin, ds(loaded), wave)
-        bodies = self.problem.bodies
-        if problem.bonded is not None and bodies is not None:
-            self.bond = HarmonicBond(problem.bonded, bodies, self.space, kin, wave)
-            tangent += self.bond.stiffness
-        self._tangent = compat.compile_form(tangent)
-        if self.bond is not None:
-            self.bond.compile()
+        inverse_kappa = self._known.constant(problem.inverse_kappa)
+        wave, (kind, loaded) = self._wave, problem.surfaces.load
+        if problem.bonded is not None and problem.bodies is not None:
+            self.bond = HarmonicBond(problem.bonded, problem.bodies, self.space, kin, wave, self._known)
+
+        def tangent() -> Any:
+            form = harmonic_tangent(
+                self.space, problem.state, kin, problem.law, inverse_kappa, problem.stiff, measures, wave
+            )
+            if kind not in DEAD:
+                by_load = problem.pressure * harmonic_load(self.space, problem.state, kin, ds(loaded), wave)
+                form = form + by_load if kind == "suction" else form - by_load
+            return form if self.bond is None else form + self.bond.stiffness
+
+        self._tangent = self._known.compile("tangent", tangent)
 
     # ---- unknowns and what is held -------------------------------------------------------------------------
 
