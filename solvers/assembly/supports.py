@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from dolfinx import fem
 from numpy.typing import NDArray
-from petsc4py import PETSc
 
 from solvers import compat
 from solvers.assembly.surfaces import Surfaces
@@ -75,7 +74,7 @@ def find_supports(
         return dofs[dofs < index_map.size_local]
 
     return Supports(
-        [fem.dirichletbc(PETSc.ScalarType(0), dofs.astype(np.int32), part) for part, dofs in fixed],
+        [compat.hold(dofs, part) for part, dofs in fixed],
         is_constrained,
         axial(surfaces.clamped),
         None if surfaces.blocked is None else axial(surfaces.blocked),

@@ -218,6 +218,14 @@ def packed(form: Any) -> tuple[Any, Any, Any]:
     return form, cpp.fem.pack_constants(form), cpp.fem.pack_coefficients(form)
 
 
+def hold(dofs: NDArray[Any], space: Any) -> Any:
+    """Dirichlet condition of zero on dofs of a (sub)space.
+
+    dolfinx tries its own space first, and what it catches then has the numbers of all dofs in its message.
+    """
+    return fem.dirichletbc(PETSc.ScalarType(0), dofs.astype(np.int32), _unwrap(space))
+
+
 def held_dofs(bcs: list[Any], space: Any) -> NDArray[np.bool_]:
     """Which local dofs Dirichlet conditions hold, shape (local,)."""
     index_map = space.dofmap.index_map

@@ -22,7 +22,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from dolfinx import fem
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
@@ -194,10 +193,7 @@ class Harmonics:
             fixed[pin[0]] = np.append(fixed[pin[0]], pin[1])
         pressures = np.union1d(self._stiff_pressure, self._axis_pressure if waves else [])
         spaces = [*(self.space.sub(0).sub(i) for i in range(3)), self.space.sub(1)]
-        self.bcs = [
-            fem.dirichletbc(PETSc.ScalarType(0), np.sort(dofs).astype(np.int32), space)
-            for dofs, space in zip([*fixed, pressures], spaces, strict=True)
-        ]
+        self.bcs = [compat.hold(np.sort(dofs), space) for dofs, space in zip([*fixed, pressures], spaces, strict=True)]
         self.is_constrained = np.zeros(self.owned, dtype=bool)
         for dofs in (*fixed, pressures):
             self.is_constrained[np.asarray(dofs, dtype=np.int64)] = True
