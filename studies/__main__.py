@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import gc
 
-# Imports leave no garbage to speak of, and to look for it among what they bring takes a fifth of a start, now and later.
+# Imports leave no garbage to speak of, and to look for it among what they bring is a fifth of a start: now and later.
 gc.disable()
 
 import sys
