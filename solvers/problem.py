@@ -125,7 +125,7 @@ class Problem:
         self.pressure = known.constant(0.0)
         kin = kinematics(domain.mesh, domain.axisymmetric, None if frame is None else known.constant(frame))
         with self.timer("compile"):
-            refuse_overlaps(domain)
+            refuse_overlaps(domain, known)
         self._materials = materials
         numbers = [*materials, *([] if stiff is None else [STIFF])]
         self._measures = cell_measures(domain, self.quadrature_degree, numbers)

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem
 from mpi4py import MPI
 
 from analytical.laws.isotropic import IsotropicLaw
 from analytical.laws.stability import is_stable, principal_stretches, stable_stretches
 from solvers import compat
 from solvers.assembly.unknowns import Unknowns
+from solvers.compat.known_forms import KnownForms
 from solvers.discrete.domain import Domain, FloatArray
 from solvers.discrete.elements import QUADRATURE_DEGREE
 from solvers.discrete.kinematics import Kinematics
@@ -25,8 +27,13 @@ from solvers.state import Timer
 SAME_SIZE = 1e-9
 
 
-def refuse_overlaps(domain: Domain) -> None:
+def refuse_overlaps(domain: Domain, known: KnownForms) -> None:
     """Refuse cells that fold over or overlap: by Gauss' theorem cells fill what their surface encloses.
+
+    Parameters
+    ----------
+    domain, known
+        The mesh, and the forms of the problem on it.
 
     Raises
     ------
@@ -37,9 +44,12 @@ def refuse_overlaps(domain: Domain) -> None:
     dimension = mesh.geometry.dim
     x, normal = ufl.SpatialCoordinate(mesh), ufl.FacetNormal(mesh)
     # the sizes of cells are never negative, so what is folded over is counted twice
-    one = fem.Constant(mesh, 1.0) * ufl.dx(domain=mesh, degree=degree)
-    flux = ufl.inner(x, normal) / dimension * ufl.ds(domain=mesh, degree=degree)
-    filled, enclosed = (compat.assemble_scalar(compat.compile_form(form), domain.comm) for form in (one, flux))
+    one = known.constant(1.0)
+    forms = (
+        known.compile("filled", lambda: one * ufl.dx(domain=mesh, degree=degree)),
+        known.compile("enclosed", lambda: ufl.inner(x, normal) / dimension * ufl.ds(domain=mesh, degree=degree)),
+    )
+    filled, enclosed = (compat.assemble_scalar(form, domain.comm) for form in forms)
     if not abs(filled - enclosed) <= SAME_SIZE * abs(enclosed):
         unit = f"mm^{dimension}"
         raise SolverError(
@@ -74,10 +84,8 @@ class Deformation:
         parts: Sequence[Part],
         laws: Mapping[int, IsotropicLaw],
     ) -> None:
-        self._domain, self._timer = unknowns.domain, timer
-        k = invariants(kin.gradient(ufl.split(unknowns.state)[0]))
+        self._domain, self._timer, self._kin, self._state = unknowns.domain, timer, kin, unknowns.state
         self._points = compat.quadrature_points(unknowns.domain.cell_name, degree)
-        self._values = compat.compile_expression(ufl.as_vector([k.j, k.i1, k.i2]), self._points)
         topology = unknowns.domain.mesh.topology
         self._cells = np.arange(topology.index_map(topology.dim).size_local, dtype=np.int32)
         numbers = unknowns.domain.cell_tags.values[: len(self._cells)]
@@ -89,6 +97,12 @@ class Deformation:
             for number, law in laws.items()
             if any(np.isfinite(limit) for limit in stable_stretches(law).values())
         ]
+
+    @functools.cached_property
+    def _values(self) -> Any:
+        """The invariants, compiled; not every problem's are looked at."""
+        k = invariants(self._kin.gradient(ufl.split(self._state)[0]))
+        return compat.compile_expression(ufl.as_vector([k.j, k.i1, k.i2]), self._points)
 
     def _now(self) -> FloatArray:
         """Det F and isochoric I1 and I2 at this rank's quadrature points, shape (points, 3)."""

@@ -126,7 +126,7 @@ class Places:
         return self._ffi.new(
             "integral *",
             {
-                "kernel": part.kernel,
+                "kernel": self._ffi.cast("uintptr_t", part.kernel),
                 "cells": self._of("int32_t *", part.cells),
                 "facets": self._of("int32_t *", part.facets),
                 "coefficients": self._of("double *", part.coefficients),

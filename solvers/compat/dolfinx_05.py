@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib.machinery
 import importlib.util
 from collections.abc import Callable, Mapping
@@ -58,8 +59,21 @@ def create_mesh(comm: MPI.Comm, cells: NDArray[np.int64], points: NDArray[np.flo
 
 
 def function_space(mesh: dmesh.Mesh, element: Any) -> Any:
-    """Function space of a UFL element."""
-    return fem.FunctionSpace(mesh, element)
+    """Function space of a UFL element, which on one process is looked up among compiled ones once."""
+    if mesh.comm.size > 1:
+        return fem.FunctionSpace(mesh, element)
+    functions, dofmap, ffi = _compiled_element(element)
+    of_functions = cpp.fem.FiniteElement(ffi.cast("uintptr_t", ffi.addressof(functions)))
+    pointer = ffi.cast("uintptr_t", ffi.addressof(dofmap))
+    of_dofs = cpp.fem.create_dofmap(mesh.comm, pointer, mesh.topology, of_functions)
+    return fem.FunctionSpace(mesh, element, cpp.fem.FunctionSpace(mesh._mesh, of_functions, of_dofs))
+
+
+@functools.cache
+def _compiled_element(element: Any) -> tuple[Any, Any, Any]:
+    """FFCx's structures of a UFL element's functions and dofs, and the ``ffi`` that knows their types."""
+    (functions, dofmap), module, _ = jit.ffcx_jit(MPI.COMM_SELF, element)
+    return functions, dofmap, module.ffi
 
 
 def table(dofmap: Any) -> NDArray[np.int32]:

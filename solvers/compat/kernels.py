@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import cffi
 import numpy as np
 from dolfinx.fem import IntegralType
 from numpy.typing import NDArray
@@ -14,8 +13,6 @@ from solvers.compat import packed, stack
 
 # Places of the types of integrals in a form are the same in all versions.
 _TYPES = (IntegralType.cell, IntegralType.exterior_facet)
-# It parses the name of a type once.
-_FFI = cffi.FFI()
 
 
 @dataclass(frozen=True)
@@ -25,14 +22,14 @@ class Integral:
     Attributes
     ----------
     kernel
-        Address of FFCx' ``tabulate_tensor`` in double precision.
+        FFCx' ``tabulate_tensor`` in double precision.
     cells, facets
         Local cell of each of its n entities, shape (n,), and the facet's number in it; zero over cells.
     coefficients
         What the form's functions have at each entity, shape (n, w).
     """
 
-    kernel: int
+    kernel: Any
     cells: NDArray[np.int32]
     facets: NDArray[np.int32]
     coefficients: NDArray[np.float64]
@@ -49,7 +46,6 @@ def integrals(form: Any) -> tuple[list[Integral], NDArray[np.float64]]:
             if not entities.size:
                 continue
             cells, facets = entities.reshape(-1, 2).T if place else (entities, np.zeros_like(entities))
-            address = int(_FFI.cast("uintptr_t", integral.tabulate_tensor_float64))
             at = (np.ascontiguousarray(cells), np.ascontiguousarray(facets))
-            found.append(Integral(address, *at, np.ascontiguousarray(coefficients[kind, key])))
+            found.append(Integral(integral.tabulate_tensor_float64, *at, np.ascontiguousarray(coefficients[kind, key])))
     return found, np.ascontiguousarray(constants)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import hashlib
 import importlib.machinery
@@ -72,11 +73,9 @@ def _processor() -> str:
 
 
 @functools.cache
-def _petsc() -> tuple[Any, Any]:
+def _petsc() -> ctypes.CDLL:
     """PETSc's own functions that petsc4py leaves out."""
-    ffi = cffi.FFI()
-    ffi.cdef("int MatSeqAIJGetArray(void *, double **); int MatSeqAIJRestoreArray(void *, double **);")
-    return ffi, ffi.dlopen(PETSc.__file__)
+    return ctypes.CDLL(PETSc.__file__)
 
 
 class Values:
@@ -86,18 +85,16 @@ class Values:
     """
 
     def __init__(self, matrix: PETSc.Mat) -> None:
-        self._matrix = matrix
-        self._ffi, self._lib = _petsc()
-        self._handle, self._values = self._ffi.cast("void *", matrix.handle), self._ffi.new("double **")
+        self._matrix, self._values = ctypes.c_void_p(matrix.handle), ctypes.c_void_p()
 
     def __enter__(self) -> int:
         self._call("MatSeqAIJGetArray")
-        return int(self._ffi.cast("uintptr_t", self._values[0]))
+        return int(self._values.value or 0)
 
     def __exit__(self, *of: object) -> None:
         self._call("MatSeqAIJRestoreArray")
 
     def _call(self, name: str) -> None:
-        code = getattr(self._lib, name)(self._handle, self._values)
+        code = getattr(_petsc(), name)(self._matrix, ctypes.byref(self._values))
         if code:
             raise PETSc.Error(code)

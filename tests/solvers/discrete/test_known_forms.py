@@ -156,21 +156,28 @@ def test_new_source_writes_forms_anew(make_problem, strip, built, monkeypatch) -
     assert len(built) == 2 * written
 
 
-@pytest.mark.parametrize("spoil", ["damaged", "another problem's", "no module"])
+PARTS = ("spaces", "functions", "constants")
+
+
+@pytest.mark.parametrize("spoil", ["damaged", "other parts", "too few parts", "no module"])
 def test_a_file_that_does_not_fit_is_not_taken(make_problem, strip, built, own_cache, spoil: str) -> None:
     body = strip(4.0, 5.0, 2.0, 1, 1)
     before = entries(make_problem(body, DRAGON_SKIN_10, cavity=1, clamped=2))
     written = len(built)
     (file,) = own_cache.glob("forms_*.json")
     records = json.loads(file.read_text())
+    of_none = 0  # what the surface encloses is made of the mesh alone: such a form fits
     for record in records.values():
+        of_none += spoil.endswith("parts") and not any(record[kind] for kind in PARTS)
         if spoil == "no module":
             record["module"] = "libffcx_forms_gone"
-        for kind in ("spaces", "functions", "constants") if spoil == "another problem's" else ():
-            record[kind] = [[i + 1, like] for i, like in record[kind]]
+        elif spoil == "other parts":
+            record.update({kind: [[i, f"another {like}"] for i, like in record[kind]] for kind in PARTS})
+        elif spoil == "too few parts":
+            record.update({kind: [[i + 100, like] for i, like in record[kind]] for kind in PARTS})
     file.write_text("{" if spoil == "damaged" else json.dumps(records))
     after = entries(make_problem(body, DRAGON_SKIN_10, cavity=1, clamped=2))
-    assert len(built) == 2 * written
+    assert len(built) == 2 * written - of_none
     assert_same(before, after)
 
 
