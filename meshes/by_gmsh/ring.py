@@ -5,6 +5,7 @@ gmsh 4.8 can abort the whole process on a bad outline; in a child that becomes a
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 import sys
@@ -65,9 +66,15 @@ def ring_triangles(ring: RingShape, seat_z: FloatArray, seat_radius_mm: float) -
             f"{ring.height_mm:g} mm and half the seat, {0.5 * width:g} mm"
         )
     request = {**asdict(ring), "seat_z": list(map(float, seat_z)), "seat_radius_mm": seat_radius_mm}
-    printed = run_gmsh("meshes.by_gmsh.ring", "gmsh could not mesh the ring section", text=json.dumps(request))
-    answer = json.loads(printed.splitlines()[-1])
+    answer = json.loads(_meshed(json.dumps(request)))
     return np.array(answer["points"]), np.array(answer["cells"], dtype=np.int64)
+
+
+@functools.cache
+def _meshed(request: str) -> str:
+    """Answer of a child; a run's levels and what tells their errors ask for the same ring."""
+    printed = run_gmsh("meshes.by_gmsh.ring", "gmsh could not mesh the ring section", text=request)
+    return printed.splitlines()[-1]
 
 
 def _mesh_in_this_process(request: dict) -> dict:

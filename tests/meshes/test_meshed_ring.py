@@ -129,6 +129,10 @@ def test_failure_of_gmsh_becomes_an_error_with_its_words() -> None:
         ring_triangles(RING, crossing, 11.5)
 
 
+# Radius of a seat that no other test asks for: a ring is meshed once a process.
+NOT_MESHED_YET = 11.25
+
+
 def test_death_of_the_child_process_becomes_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     run = subprocess.run
 
@@ -137,7 +141,7 @@ def test_death_of_the_child_process_becomes_an_error(monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr("meshes.by_gmsh.child.subprocess.run", abort)
     with pytest.raises(MeshError, match=r"exit -6"):
-        ring_triangles(RING, SEAT_Z, 11.5)
+        ring_triangles(RING, SEAT_Z, NOT_MESHED_YET)
 
 
 def test_gmsh_that_hangs_becomes_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -146,4 +150,18 @@ def test_gmsh_that_hangs_becomes_an_error(monkeypatch: pytest.MonkeyPatch) -> No
 
     monkeypatch.setattr("meshes.by_gmsh.child.subprocess.run", hang)
     with pytest.raises(MeshError, match="within 300 s"):
-        ring_triangles(RING, SEAT_Z, 11.5)
+        ring_triangles(RING, SEAT_Z, NOT_MESHED_YET)
+
+
+def test_the_same_ring_is_meshed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    children, run = [], subprocess.run
+
+    def counted(command, **options):
+        children.append(command)
+        return run(command, **options)
+
+    monkeypatch.setattr("meshes.by_gmsh.child.subprocess.run", counted)
+    first, again, other = (ring_triangles(RING, SEAT_Z, radius) for radius in (10.75, 10.75, 10.5))
+    assert len(children) == 2
+    assert all(np.array_equal(a, b) for a, b in zip(first, again, strict=True))
+    assert first[0][:, 0].min() == pytest.approx(10.75) and other[0][:, 0].min() == pytest.approx(10.5)
