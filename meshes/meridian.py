@@ -3,7 +3,7 @@
 The wall and the cap are one band of stations along the outline, each with layers from the cavity side to the
 outside. Towards the edges of the seats, where a rigid bond ends and the solution is singular, its cells may be cut into
 smaller ones (`meshes.strip.corners`). The band's nine-node quadrilaterals are kept, or split along one diagonal into
-triangles. Meshed rings are triangulated by gmsh and joined node to node.
+triangles. Meshed rings are blocks of quadrilaterals, or triangulated by gmsh and joined node to node.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from meshes.quality import jacobians
 from meshes.shape import BellowsShape
 from meshes.solid import FACETS, REGIONS, TRIANGLE_EDGES, IntArray, SolidMesh
 from meshes.strip.corners import number_nodes, strip_cells
+from meshes.strip.ring_blocks import with_ring_blocks
 
 # Nodes closer than this are one; those of a mesh are farther apart than a micrometre.
 _SAME_NODE_MM = 1e-6
@@ -206,8 +207,7 @@ def meridian_mesh(
     resolution
         The cell counts.
     ring
-        Cross-section of rings to mesh and join to every seat (triangles only); None leaves the seats as named
-        surfaces.
+        Cross-section of rings to mesh and join to every seat; None leaves the seats as named surfaces.
     cells
         Kind of cells. The first axis of a quadrilateral runs along the outline, towards the axis of revolution in
         the cap; the second from the cavity side to the outside.
@@ -223,8 +223,6 @@ def meridian_mesh(
         If the shape cannot be built, or the mesh of it has a cell that is folded over.
     """
     check_shape(shape)
-    if ring is not None and cells != "triangles":
-        raise GeometryError("meshed rings need a mesh of triangles: their section is not structured")
     parts, through = stretches(shape, resolution), resolution.through
     strip, quads = number_nodes(
         strip_cells(
@@ -249,12 +247,15 @@ def meridian_mesh(
     else:
         nodes = quads[:, 3 * QUADRILATERAL_NODES[:, 0] + QUADRILATERAL_NODES[:, 1]]
     tip = len(points) - 1
-    if ring is not None:
+    if ring is not None and cells == "triangles":
         points, nodes, regions, edges, tags, bodies = _join_rings(
             shape, ring, points, nodes, regions, edges, tags, bodies
         )
-    _refuse_folded(points, nodes)
-    return SolidMesh(points, nodes, regions, np.sort(edges, axis=1), tags, bodies, tip, strip=strip)
+    mesh = SolidMesh(points, nodes, regions, np.sort(edges, axis=1), tags, bodies, tip, strip=strip)
+    if ring is not None and cells == "quadrilaterals":
+        mesh = with_ring_blocks(mesh, ring, resolution.refinement)
+    _refuse_folded(mesh.points, mesh.cells)
+    return mesh
 
 
 def _points(parts: Sequence[Stretch], through: int, strip: FloatArray) -> FloatArray:

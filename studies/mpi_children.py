@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -103,11 +104,19 @@ def run(command: Sequence[str], environment: dict[str, str], limit_s: float) -> 
     with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as error:
         before, busy, begin = os.times(), busy_s(), time.perf_counter()
         process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=out, stderr=error, start_new_session=True)
+        late = threading.Event()
+
+        def stop() -> None:
+            late.set()
+            _end(process)
+
+        # to wait with a limit would be to look every 50 ms, which is much of a short run
+        timer = threading.Timer(min(limit_s, threading.TIMEOUT_MAX), stop)
+        timer.start()
         try:
-            code = process.wait(limit_s)
-        except subprocess.TimeoutExpired:
-            code = -1
+            code = process.wait()
         finally:
+            timer.cancel()
             _end(process)
             signal.signal(signal.SIGTERM, previous)
         wall, after = time.perf_counter() - begin, os.times()
@@ -115,7 +124,7 @@ def run(command: Sequence[str], environment: dict[str, str], limit_s: float) -> 
         others = max(0.0, busy_s() - busy - cpu)
         out.seek(0)
         error.seek(0)
-        return Ended(code, out.read(), error.read(), wall, cpu, others)
+        return Ended(-1 if late.is_set() else code, out.read(), error.read(), wall, cpu, others)
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:

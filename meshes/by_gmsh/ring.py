@@ -29,12 +29,27 @@ class RingShape:
     edge_radius_mm
         Radius of the outer edges.
     cell_mm
-        Cell size away from the seat.
+        Size of triangles away from the seat.
     """
 
     height_mm: float
     edge_radius_mm: float
     cell_mm: float = 0.8
+
+
+def check_ring(ring: RingShape, width_mm: float) -> None:
+    """Refuse a section whose rounded edges do not fit it on a seat of a width.
+
+    Raises
+    ------
+    GeometryError
+        With the sizes.
+    """
+    if not (ring.height_mm > 0 and 0 <= ring.edge_radius_mm < min(ring.height_mm, 0.5 * width_mm)):
+        raise GeometryError(
+            f"ring edge_radius_mm = {ring.edge_radius_mm:g} must be >= 0 and less than the height "
+            f"{ring.height_mm:g} mm and half the seat, {0.5 * width_mm:g} mm"
+        )
 
 
 def ring_triangles(ring: RingShape, seat_z: FloatArray, seat_radius_mm: float) -> tuple[FloatArray, IntArray]:
@@ -59,12 +74,7 @@ def ring_triangles(ring: RingShape, seat_z: FloatArray, seat_radius_mm: float) -
     MeshError
         If gmsh fails; the message ends with what it printed.
     """
-    width = float(seat_z[-1] - seat_z[0])
-    if not (ring.height_mm > 0 and 0 <= ring.edge_radius_mm < min(ring.height_mm, 0.5 * width)):
-        raise GeometryError(
-            f"ring edge_radius_mm = {ring.edge_radius_mm:g} must be >= 0 and less than the height "
-            f"{ring.height_mm:g} mm and half the seat, {0.5 * width:g} mm"
-        )
+    check_ring(ring, float(seat_z[-1] - seat_z[0]))
     request = {**asdict(ring), "seat_z": list(map(float, seat_z)), "seat_radius_mm": seat_radius_mm}
     answer = json.loads(_meshed(json.dumps(request)))
     return np.array(answer["points"]), np.array(answer["cells"], dtype=np.int64)

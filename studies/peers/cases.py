@@ -120,6 +120,11 @@ _OF_OURS: Final = (
     _ours("", "hex", "rigid", 0.1, 1),
     _ours("full3d", "hex", "rigid", 0.1, 2),
     _ours("full3d", "hex", "rigid", 0.1, 1),
+    _ours("", "hex", "meshed", 1.0, 1),
+    _ours("", "hex", "meshed", 0.1, 1),
+    _ours("full3d", "hex", "meshed", 1.0, 1),
+    _ours("full3d", "hex", "meshed", 0.1, 1),
+    _ours("full3d", "hex", "meshed", 0.1, 2),
     _ours("full3d", "tet", "meshed", 1.0, 2),
     _ours("", "tet", "meshed", 1.0, 1),
 )

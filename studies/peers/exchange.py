@@ -1,8 +1,7 @@
 """The mesh of the peers' problem as plain arrays in a file, the same for every code.
 
 Rings are meshed as one more, stiff, region. Tetrahedra and triangles are those of this program's own runs; hexahedra
-and quadrilaterals are its swept meridian with the rings added as structured blocks on the seats (a rectangle: their
-rounded outer edges carry nothing).
+and quadrilaterals too, with the outer edges of the rings sharp: they carry nothing.
 """
 
 from __future__ import annotations
@@ -14,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 
+from meshes.by_gmsh.ring import RingShape
 from meshes.cells import HEXAHEDRON_NODES, QUADRILATERAL_NODES, TETRAHEDRON_EDGES, TRIANGLE_EDGES
 from meshes.meridian import default_resolution, meridian_mesh
 from meshes.quality import jacobians
@@ -25,8 +25,6 @@ from studies.scene.bellows import BellowsScene, ring_material, ring_shape, shape
 from studies.scene.materials import law_of
 
 Cells = Literal["tri6", "quad9", "tet10", "hex27"]
-# Cells through the height of a ring block.
-RING_LAYERS = 2
 # Region numbers in the file.
 SOFT, STIFF = 1, 2
 
@@ -61,75 +59,13 @@ def peer_mesh(scene: BellowsScene, level: Level) -> SolidMesh:
         meridian = meridian_mesh(shape, resolution, ring_shape(scene), "triangles")
         return meridian if level.cells == "tri6" else revolve(meridian, level.around)
     resolution = default_resolution(shape, level.meridian, "quadrilaterals")
-    bare = meridian_mesh(shape, resolution, None, "quadrilaterals")
-    meridian = with_ring_blocks(bare, scene.rings.height_mm, RING_LAYERS * level.meridian)
+    sharp = RingShape(scene.rings.height_mm, 0.0)
+    meridian = meridian_mesh(shape, resolution, sharp, "quadrilaterals")
     if level.cells == "quad9":
         return meridian
     if level.quarter:
         return revolve_hexahedra(meridian, level.around // 4, 0.5 * math.pi)
     return revolve_hexahedra(meridian, level.around)
-
-
-def with_ring_blocks(meridian: SolidMesh, height_mm: float, layers: int) -> SolidMesh:
-    """A meridian of quadrilaterals with a rectangular block of them on every seat, sharing its nodes.
-
-    Parameters
-    ----------
-    meridian
-        Nine-node quadrilaterals whose seats are the surface ``bond``.
-    height_mm
-        Radial height of the blocks.
-    layers
-        Cells through it.
-
-    Returns
-    -------
-    SolidMesh
-        Without the surface ``bond``, which is inside now.
-    """
-    bond = meridian.facet_tags == FACETS["bond"]
-    points, cells = [meridian.points], [meridian.cells]
-    edges: list[IntArray] = []
-    count = len(meridian.points)
-    middle = _edge_middles(meridian)
-    for body in np.unique(meridian.facet_bodies[bond]):
-        ends = meridian.facets[bond & (meridian.facet_bodies == body)]
-        ends = ends[np.argsort(meridian.points[ends, 1].mean(axis=1))]
-        seat: list[int] = []
-        for pair in ends:  # corners and middles along the seat, upwards
-            low, high = sorted(pair, key=lambda node: meridian.points[node, 1])
-            seat += ([low] if not seat else []) + [middle[frozenset((int(low), int(high)))], high]
-        rows = 2 * layers + 1
-        grid = np.empty((len(seat), rows), dtype=np.int64)
-        grid[:, 0] = seat
-        grid[:, 1:] = count + np.arange(len(seat) * (rows - 1)).reshape(len(seat), rows - 1)
-        count += len(seat) * (rows - 1)
-        rise = np.linspace(0.0, height_mm, rows)[1:]
-        r, z = meridian.points[seat].T
-        points.append(np.stack([r[:, None] + rise, np.repeat(z[:, None], rows - 1, axis=1)], axis=-1).reshape(-1, 2))
-        lattice = [grid[a : len(seat) - 2 + a : 2, b : rows - 2 + b : 2].ravel() for a, b in QUADRILATERAL_NODES]
-        cells.append(np.stack(lattice, axis=1))
-        edges += [np.column_stack([side[:-2:2], side[2::2]]) for side in (grid[0], grid[:, -1], grid[-1])]
-    rings = sum(map(len, cells[1:]))
-    free = np.sort(np.vstack(edges), axis=1)
-    return replace(
-        meridian,
-        points=np.vstack(points),
-        cells=np.vstack(cells),
-        regions=np.concatenate([meridian.regions, np.full(rings, REGIONS["ring"])]),
-        facets=np.vstack([meridian.facets[~bond], free]),
-        facet_tags=np.concatenate([meridian.facet_tags[~bond], np.full(len(free), FACETS["outer"])]),
-        facet_bodies=np.full(int((~bond).sum()) + len(free), -1),
-    )
-
-
-def _edge_middles(meridian: SolidMesh) -> dict[frozenset[int], int]:
-    """Node in the middle of each edge of nine-node quadrilaterals, by its corners."""
-    table = {}
-    for (a, b), m in zip(((0, 1), (0, 2), (1, 3), (2, 3)), (4, 5, 6, 7), strict=True):
-        for low, high, node in meridian.cells[:, [a, b, m]]:
-            table[frozenset((int(low), int(high)))] = int(node)
-    return table
 
 
 def local_faces(cells: Cells) -> IntArray:

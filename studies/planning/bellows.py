@@ -96,7 +96,7 @@ def _refuse(scene: BellowsScene, model: Model) -> None:
     """Raise a SceneError if a model cannot be had for the scene."""
     name = scene.name
     if model == "sector" and not in_hexahedra(scene):
-        raise SceneError(f'{name}: a sector is meshed in hexahedra: it needs mesh.element = "hex" and rigid rings')
+        raise SceneError(f'{name}: a sector is meshed in hexahedra: it needs mesh.element = "hex"')
     if scene.geometry.eccentricity and model != "full3d":
         raise SceneError(
             f"{name}: geometry.eccentricity = {scene.geometry.eccentricity:g} is not rotationally symmetric: it "

@@ -320,8 +320,6 @@ def bellows_faults(scene: BellowsScene) -> list[str]:
             f"rings.edge_radius_mm = {rings.edge_radius_mm:g}: must be less than height_mm = {rings.height_mm:g} "
             f"and half of seat_mm = {rings.seat_mm:g}"
         )
-    if rings.model == "meshed" and scene.mesh.element == "hex":
-        faults.append('mesh.element = "hex": meshed rings need "tet" (or "auto"), or rings.model = "rigid"')
     faults += element_faults(scene.mesh, scene.material.kappa_over_mu)
     if rings.bond == "adhesive" and rings.bond_grading_mm > 0.5 * rings.seat_mm:
         faults.append(

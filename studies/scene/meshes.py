@@ -114,7 +114,7 @@ def scene_body(meridian: SolidMesh, model: str, around: int, core_shift_mm: floa
             raise GeometryError("a sector of a body whose core is off the axis: take full3d")
         return shift_core(scene_body(meridian, model, around), meridian, core_shift_mm)
     if meridian.cell.name != "quadrilateral" and parts > 1:
-        raise GeometryError('a sector is meshed in hexahedra: set mesh.element = "hex" or "auto", and rigid rings')
+        raise GeometryError('a sector is meshed in hexahedra: set mesh.element = "hex"')
     if around % parts:
         raise GeometryError(f"cells round the circumference = {around}: must be a multiple of {parts} in a sector")
     return revolved(meridian, around, parts)

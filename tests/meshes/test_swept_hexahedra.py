@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 
-from meshes.by_gmsh.ring import RingShape
 from meshes.errors import GeometryError, MeshError
 from meshes.meridian import Resolution, default_resolution, meridian_mesh
 from meshes.quality import jacobians, mesh_quality, region_volumes_mm3
@@ -147,10 +146,8 @@ def test_numbers_that_do_not_fit_are_refused(quads, around: int, degrees: float,
         sweep(quads, around, degrees)
 
 
-def test_what_is_no_structured_meridian_is_refused(quads, coarse_meridian, one_convolution, coarse) -> None:
+def test_what_is_no_structured_meridian_is_refused(quads, coarse_meridian) -> None:
     with pytest.raises(MeshError, match="triangles"):
         revolve_hexahedra(coarse_meridian, 8)
     with pytest.raises(MeshError, match="columns of cells lead to the axis"):
         revolve_hexahedra(quads, 8, core_columns=1000)
-    with pytest.raises(GeometryError, match="meshed rings need a mesh of triangles"):
-        meridian_mesh(one_convolution, coarse, RingShape(2.0, 0.5), cells="quadrilaterals")

@@ -295,7 +295,7 @@ def test_study_keeps_skips_and_leaves_out_what_is_finer_than_what_was_stopped(tm
     text = (tmp_path / "report.md").read_text(encoding="utf-8")
     assert "- calculix: skipped: no ccx" in text
     assert "- felupe quad9-r2 formulation=mean first=0.1: not run, a coarser mesh was stopped at the limit" in text
-    assert len(made) == 3 + 1 + 3 * 2  # ours, the mean formulation's coarsest mesh, the mixed one's all
+    assert len(made) == 5 + 1 + 3 * 2  # ours, the mean formulation's coarsest mesh, the mixed one's all
     rows = read_rows(tmp_path / "rows.csv")
     assert {r.model for r in rows} == {"axisymmetric", "peer_felupe", "full3d"}
     # what is there is kept; what was stopped is made again if it is allowed longer

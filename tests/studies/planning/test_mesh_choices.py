@@ -119,13 +119,18 @@ def test_rigid_tip_moves_like_a_thick_cap(write, whole, model: str) -> None:
     assert row.unstable_modes == 0
 
 
-def test_meshed_rings_need_tetrahedra(write) -> None:
+def test_meshed_rings_in_either_kind_of_cells(write) -> None:
     meshed = ('model = "auto"', 'model = "meshed"')
-    assert not in_hexahedra(load_bellows(write("meshed", meshed)))
-    wrong = write("wrong", meshed, more='\n[mesh]\nelement = "hex"\n')
-    result = CliRunner().invoke(main, ["plan", str(wrong)])
-    assert result.exit_code == 2
-    assert 'mesh.element = "hex": meshed rings need "tet"' in result.output
+    triangles = write("meshed", meshed)
+    quadrilaterals = write("blocks", meshed, more='\n[mesh]\nelement = "hex"\n')
+    assert [in_hexahedra(load_bellows(scene)) for scene in (triangles, quadrilaterals)] == [False, True]
+    of_triangles, of_quadrilaterals = (solve(scene, "axisymmetric")[0] for scene in (triangles, quadrilaterals))
+    assert of_quadrilaterals.tip_mm == pytest.approx(of_triangles.tip_mm, rel=0.005)  # each within its uncertainty
+    assert of_quadrilaterals.unstable_modes == of_triangles.unstable_modes == 0
+    row, summary, out = solve(quadrilaterals, "full3d")
+    assert row.tip_mm == pytest.approx(of_quadrilaterals.tip_mm, rel=0.005)
+    assert summary.solved_dofs < 0.32 * summary.dofs  # a quarter, with its planes
+    assert (out / "full3d-n8" / "fields" / "p05.000.vtu").exists()
 
 
 def test_sector_of_tetrahedra_is_refused_and_nothing_written(write) -> None:

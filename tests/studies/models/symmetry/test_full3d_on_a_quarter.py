@@ -30,24 +30,33 @@ from studies.scene.meshes import AS_A_WHOLE, ON_A_PART, scene_body, scene_meridi
 
 SCRIPT = Path(__file__).with_name("quarter_script.py")
 ROOT = SCRIPT.parents[4]
-SCENES = {
-    "free": ("heung-t2-ri5.toml", "convolutions = 8 ", "convolutions = 1 ", [5.0, 20.0]),
+ONE = {"convolutions = 8 ": "convolutions = 1 "}
+SCENES: dict[str, tuple[str, dict[str, str], list[float]]] = {
+    "free": ("heung-t2-ri5.toml", ONE, [5.0, 20.0]),
+    # stiff cells, and no rigid bodies
+    "meshed": (
+        "heung-t2-ri5.toml",
+        {**ONE, 'model = "auto"  ': 'model = "meshed"', 'element = "auto"': 'element = "hex"'},
+        [5.0, 20.0],
+    ),
     # its core sits off the axis: half a body
-    "core": ("imperfection/short-core-10.toml", "convolutions = 2", "convolutions = 1", [2.0, 8.0]),
+    "core": ("imperfection/short-core-10.toml", {"convolutions = 2": "convolutions = 1"}, [2.0, 8.0]),
     # bends sideways at 1.05 kPa
-    "blocked": ("modes/blocked-short.toml", "convolutions = 4", "convolutions = 4", [1.0, 1.1]),
+    "blocked": ("modes/blocked-short.toml", {}, [1.0, 1.1]),
 }
 # bisection on the whole body takes most of a minute
-ALL = ["free", "core", pytest.param("blocked", marks=pytest.mark.slow)]
+ALL = ["free", "meshed", "core", pytest.param("blocked", marks=pytest.mark.slow)]
 
 
 def scene_file(name: str, folder: Path) -> Path:
-    source, old, new, pressures = SCENES[name]
+    source, changes, pressures = SCENES[name]
     text = (ROOT / "scenes" / source).read_text(encoding="utf-8")
+    for old, new in changes.items():
+        assert old in text
+        text = text.replace(old, new)
     lines = [f"pressure_kpa = {pressures}" if line.startswith("pressure_kpa") else line for line in text.splitlines()]
-    assert old in text
     out = folder / f"{name}.toml"
-    out.write_text("\n".join(lines).replace(old, new), encoding="utf-8")
+    out.write_text("\n".join(lines), encoding="utf-8")
     return out
 
 
