@@ -22,6 +22,8 @@ from studies.results.rows import read_rows
 from studies.scene.text import changed_text
 
 _STOPPED: Final = "stopped after"
+# Runs shorter than this are made three times, s: a start of a process alone varies by a tenth of a second.
+SHORT_S: Final = 5.0
 
 
 @dataclass(frozen=True)
@@ -67,8 +69,16 @@ def keep_measurement(attempt: Attempt, out: Path, made: Measurement) -> None:
 
 
 def measure(attempt: Attempt, out: Path, limit_s: float) -> Measurement:
-    """A new measurement, kept."""
-    made = measure_ours(attempt, limit_s) if attempt.code == OURS else measure_peer(attempt, out / "meshes", limit_s)
+    """A new measurement, kept; of a short run the median of three."""
+
+    def once() -> Measurement:
+        if attempt.code == OURS:
+            return measure_ours(attempt, limit_s)
+        return measure_peer(attempt, out / "meshes", limit_s)
+
+    made = once()
+    if made.wall_s < SHORT_S and not made.reason:
+        made = sorted([made, once(), once()], key=lambda one: one.wall_s)[1]
     keep_measurement(attempt, out, made)
     return made
 

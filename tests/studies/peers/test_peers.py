@@ -14,6 +14,7 @@ from meshes.cells import cell_shape
 from studies import mpi_children
 from studies.engine import run
 from studies.peers import environment
+from studies.peers import measure as measuring
 from studies.peers import study as peer_study
 from studies.peers.cases import OURS, SCENE, attempts, peer_scene, script_of
 from studies.peers.exchange import Level, peer_mesh, write_peer_mesh
@@ -307,3 +308,13 @@ def test_study_keeps_skips_and_leaves_out_what_is_finer_than_what_was_stopped(tm
     over = {**options, "limit": 1200.0, "budget": -1.0}
     assert run(peer_study.STUDY, tmp_path, MPI.COMM_SELF, over) == 0
     assert len(made) == 1 and "the time is over" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("first", "made", "kept"), [(1.3, 3, 1.2), (7.0, 1, 7.0)])
+def test_a_short_run_is_measured_three_times(tmp_path, monkeypatch, first: float, made: int, kept: float):
+    walls = iter([first, 1.1, 1.2])
+    monkeypatch.setattr(measuring, "measure_ours", lambda *_: Measurement(9.1, 10, next(walls), 1.0, 3, "", 1.0))
+    (attempt,) = (a for a in attempts() if a.name == "ours hex, rigid rings, tolerance 1 %")
+    assert measuring.measure(attempt, tmp_path, 10.0).wall_s == kept
+    assert measuring.kept_measurement(attempt, tmp_path).wall_s == kept
+    assert len(list(walls)) == 3 - made
