@@ -149,13 +149,12 @@ def test_cost() -> None:
     cut = float(found("peers", "peer-bellows", f"{TO_FASTEST}_with_quarters", "full3d", "10")["value"])
     equal = ratio("_with_quarters")
     assert f"({quarters[level]:.1f} s, {theirs:.1g} % off) it takes {cut:.2f} of the time to 1 %" in README
-    assert f"and {equal:.1f} times as long at equal error" in README
+    assert f"and {equal:.2f} of it at equal error" in README
     flat = [
         float(found("peers", "peer-bellows", f"time_ratio_axisymmetric_{kind}", "axisymmetric", "10")["value"])
         for kind in ("to_fastest_peer", "at_equal_error")
     ]
-    assert f"takes {flat[0]:.1f} times as long as a script of one mesh to 1 %, twice as long" in README
-    assert round(flat[1], 1) == 2.0
+    assert f"takes {flat[0]:.1f} times as long as a script of one mesh to 1 %, {flat[1]:.1f} times as long at" in README
     assert f"takes {ratio(''):.2f} of" in README and f"and {ratio('_by_lasting_error'):.2f} if" in README
 
 
