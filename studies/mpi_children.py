@@ -107,17 +107,20 @@ def run(command: Sequence[str], environment: dict[str, str], limit_s: float) -> 
         late = threading.Event()
 
         def stop() -> None:
-            late.set()
-            _end(process)
+            if process.poll() is None:
+                late.set()
+                _end(process)
 
         # to wait with a limit would be to look every 50 ms, which is much of a short run
         timer = threading.Timer(min(limit_s, threading.TIMEOUT_MAX), stop)
-        timer.start()
         try:
+            timer.start()
             code = process.wait()
         finally:
             timer.cancel()
             _end(process)
+            if timer.is_alive():
+                timer.join()
             signal.signal(signal.SIGTERM, previous)
         wall, after = time.perf_counter() - begin, os.times()
         cpu = after.children_user + after.children_system - before.children_user - before.children_system

@@ -59,8 +59,8 @@ class Point:
 
     @property
     def mesh(self) -> str:
-        """Name of the mesh, for instance ``n8r2``."""
-        return self.level.split()[0].split("-")[-1] if self.is_peer else self.level.split()[1]
+        """Name of the mesh, for instance ``n8r2``, or ``n8r1-quarter`` of a peer."""
+        return self.level.split()[0].split("-", 1)[-1] if self.is_peer else self.level.split()[1]
 
     @property
     def way(self) -> str:

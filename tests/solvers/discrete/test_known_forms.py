@@ -147,13 +147,18 @@ def test_a_law_that_a_user_writes_is_written_each_time(make_problem, strip, buil
     assert other["numbers"][0] == pytest.approx(0.5 * one["numbers"][0])
 
 
-def test_new_source_writes_forms_anew(make_problem, strip, built, monkeypatch) -> None:
+def test_new_source_writes_forms_anew_and_keeps_none_of_a_source_edited_meanwhile(
+    make_problem, strip, built, monkeypatch, own_cache
+) -> None:
     body = strip(4.0, 5.0, 2.0, 1, 1)
     make_problem(body, DRAGON_SKIN_10, cavity=1, clamped=2)
-    written = len(built)
-    monkeypatch.setattr(known_forms, "_source", lambda: "edited")
-    make_problem(body, DRAGON_SKIN_10, cavity=1, clamped=2)
-    assert len(built) == 2 * written
+    written, files = len(built), set(own_cache.iterdir())
+    # as if the files were others when this process began
+    monkeypatch.setattr(known_forms, "_SOURCE", "of before")
+    for k in (2, 3):
+        make_problem(body, DRAGON_SKIN_10, cavity=1, clamped=2)
+        assert len(built) == k * written
+    assert set(own_cache.iterdir()) == files
 
 
 PARTS = ("spaces", "functions", "constants")

@@ -75,6 +75,8 @@ def test_points_carry_what_the_rows_say_and_peers_are_held_to_the_same_reference
     theirs = [
         row("peer-bellows", "tip_mm", "mm", 10.0, "peer_x", 20.4, "tet10-n8r1", reference=21.0),
         row("peer-bellows", "wall_s", "s", 10.0, "peer_x", 50.0, "tet10-n8r1"),
+        row("peer-bellows", "tip_mm", "mm", 10.0, "peer_x", 20.2, "hex27-n8r1-quarter first=0.1", reference=21.0),
+        row("peer-bellows", "wall_s", "s", 10.0, "peer_x", 3.0, "hex27-n8r1-quarter first=0.1"),
     ]
     found = {p.name: p for p in points([*made_up_rows(), *theirs])}
     body, peer = found["full3d hex n8 warm 2x1"], found["peer_x tet10-n8r1"]
@@ -82,6 +84,7 @@ def test_points_carry_what_the_rows_say_and_peers_are_held_to_the_same_reference
     assert peer.is_peer and peer.error_percent == pytest.approx(2.0)
     assert peer.time_s == 50.0 and body.time_s == 30.0
     assert {p.group for p in found.values()} == {"axisymmetric", "full3d", "peers, full 3D"}
+    assert found["peer_x hex27-n8r1-quarter first=0.1"].mesh == "n8r1-quarter"
 
 
 def test_front_keeps_what_nothing_beats() -> None:
@@ -221,7 +224,7 @@ def test_page_of_the_rows_of_a_real_run(root: Path, tmp_path: Path, monkeypatch:
     assert 1.0 < shown["laws"].iteration.exponent < 2.0
     assert 0.7 < shown["laws"].time.exponent < 2.0
     assert shown["laws"].held > 1e6
-    assert len(shown["own"]) == len(CELLS) and len(shown["ratios"].rows) == 6
+    assert len(shown["own"]) == len(CELLS) and len(shown["ratios"].rows) == 8
     assert len(shown["model"].rows) == 20 and shown["ranks"].rows
     alike = {line[0]: dict(zip(shown["alike"].header, line, strict=True)) for line in shown["alike"].rows}
     warm, cold, tets = (alike[f"full3d {name} 1x2"] for name in ("hex n8 warm", "hex n8 cold", "tet n8 warm"))
