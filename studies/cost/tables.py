@@ -159,8 +159,9 @@ def ratios_table(rows: Sequence[Row]) -> Table:
 
 
 def like_with_like(found: Sequence[Point]) -> Table:
-    """Our bodies of the peers' bellows by rings and start, each over the quickest full 3D run of another program."""
-    peers = [p for p in found if p.is_peer and p.group == "peers, full 3D" and p.reached]
+    """Our bodies of the peers' bellows by rings and start, each over another program's quickest of the whole body."""
+    bodies = [p for p in found if p.is_peer and p.group == "peers, full 3D" and p.reached]
+    peers = [p for p in bodies if "quarter" not in p.mesh]
     if not peers:
         return Table((), ())
     quickest = min(peers, key=lambda p: p.cost.wall_s)
