@@ -21,12 +21,12 @@ from solvers.energy.ogden import FIT_RANGE, power_trace, trace_derivatives
 from solvers.errors import SolverError
 
 Derivatives = dict[tuple[int, int], Any]
-MakeConstant = Callable[[Any], Any]
+Constant = Callable[[Any], Any]
 
 
 @dataclass(frozen=True)
 class CompiledLaw:
-    """A law in UFL, its numbers constants of a mesh.
+    """A law bound to a mesh.
 
     Attributes
     ----------
@@ -45,8 +45,8 @@ class CompiledLaw:
 
 
 @singledispatch
-def compile_law(law: Law, constant: MakeConstant) -> CompiledLaw:
-    """Write a material law in UFL; a new law registers what does it (docs/architecture.md).
+def compile_law(law: Law, constant: Constant) -> CompiledLaw:
+    """Bind a material law to a mesh; a new law registers what does it (docs/architecture.md).
 
     Parameters
     ----------
@@ -73,28 +73,26 @@ def compile_law(law: Law, constant: MakeConstant) -> CompiledLaw:
 
 def is_written_here(law: Law) -> bool:
     """True of a law of this project that this file writes, so that its source is known."""
-    return (
-        type(law).__module__.startswith("analytical.laws.") and compile_law.dispatch(type(law)).__module__ == __name__
-    )
+    return type(law).__module__.startswith("analytical.") and compile_law.dispatch(type(law)).__module__ == __name__
 
 
 @compile_law.register
-def _(law: NeoHooke, constant: MakeConstant) -> CompiledLaw:
+def _(law: NeoHooke, constant: Constant) -> CompiledLaw:
     return _polynomial((0.5 * law.mu_mpa,), constant)
 
 
 @compile_law.register
-def _(law: Yeoh, constant: MakeConstant) -> CompiledLaw:
+def _(law: Yeoh, constant: Constant) -> CompiledLaw:
     return _polynomial(tuple(law.c_mpa), constant)
 
 
 @compile_law.register
-def _(law: ArrudaBoyce, constant: MakeConstant) -> CompiledLaw:
+def _(law: ArrudaBoyce, constant: Constant) -> CompiledLaw:
     return _polynomial(law.c_mpa, constant)
 
 
 @compile_law.register
-def _(law: Gent, constant: MakeConstant) -> CompiledLaw:
+def _(law: Gent, constant: Constant) -> CompiledLaw:
     """``W = -mu J/2 ln(1 - (I1 - 3)/J)``."""
     mu, limit = constant(law.mu_mpa), constant(law.limit)
 
@@ -109,7 +107,7 @@ def _(law: Gent, constant: MakeConstant) -> CompiledLaw:
 
 
 @compile_law.register
-def _(law: MooneyRivlin, constant: MakeConstant) -> CompiledLaw:
+def _(law: MooneyRivlin, constant: Constant) -> CompiledLaw:
     """``W = C10 x + C01 y + C11 x y + C20 x^2 + C02 y^2``, x = I1 - 3, y = I2 - 3; one compilation for any of them."""
     c10, c01, c11, c20, c02 = constant(law.constants_mpa)
 
@@ -128,7 +126,7 @@ def _(law: MooneyRivlin, constant: MakeConstant) -> CompiledLaw:
     return CompiledLaw(derivatives, True, (np.inf, np.inf))
 
 
-def _polynomial(coefficients: tuple[float, ...], constant: MakeConstant) -> CompiledLaw:
+def _polynomial(coefficients: tuple[float, ...], constant: Constant) -> CompiledLaw:
     c = constant(coefficients)
 
     @cache
@@ -146,12 +144,12 @@ def _polynomial(coefficients: tuple[float, ...], constant: MakeConstant) -> Comp
 
 
 @compile_law.register
-def _(law: Ogden, constant: MakeConstant) -> CompiledLaw:
+def _(law: Ogden, constant: Constant) -> CompiledLaw:
     return CompiledLaw(_power(law.alpha, law.prefactor_mpa, constant), True, _POWER_LIMITS)
 
 
 @compile_law.register
-def _(law: OgdenSeries, constant: MakeConstant) -> CompiledLaw:
+def _(law: OgdenSeries, constant: Constant) -> CompiledLaw:
     terms = [_power(alpha, k, constant) for alpha, k in zip(law.alpha, law.prefactors_mpa, strict=True)]
 
     @cache
@@ -167,7 +165,7 @@ def _(law: OgdenSeries, constant: MakeConstant) -> CompiledLaw:
 _POWER_LIMITS = (FIT_RANGE[1], 1.0 / FIT_RANGE[0])
 
 
-def _power(alpha: float, prefactor_mpa: float, constant: MakeConstant) -> Callable[[Any, Any], Derivatives]:
+def _power(alpha: float, prefactor_mpa: float, constant: Constant) -> Callable[[Any, Any], Derivatives]:
     """``k (sum lambda_i^alpha - 3)`` and its derivatives."""
     shape = power_trace(alpha)
     prefactor, rest = constant(prefactor_mpa), constant(shape.constant)
@@ -182,7 +180,7 @@ def _power(alpha: float, prefactor_mpa: float, constant: MakeConstant) -> Callab
 
 
 @compile_law.register
-def _(law: Guccione, constant: MakeConstant) -> CompiledLaw:
+def _(law: Guccione, constant: Constant) -> CompiledLaw:
     """``W = C/2 (exp(Q) - 1)``, ``Q = b E:E = b/4 (I1^2 - 2 I2 - 2 I1 + 3)``, of the isochoric part of the strain."""
     c, b = constant(law.c_mpa), constant(law.b)
 
