@@ -80,7 +80,7 @@ def ring_triangles(ring: RingShape, seat_z: FloatArray, seat_radius_mm: float) -
     return np.array(answer["points"]), np.array(answer["cells"], dtype=np.int64)
 
 
-@functools.cache
+@functools.lru_cache(maxsize=8)
 def _meshed(request: str) -> str:
     """Answer of a child; a run's levels and what tells their errors ask for the same ring."""
     printed = run_gmsh("meshes.by_gmsh.ring", "gmsh could not mesh the ring section", text=request)

@@ -55,14 +55,14 @@ class Load:
     ) -> None:
         self.kind, self.factor = kind, factor
         self._unknowns, self._kin, self._measure = unknowns, kin, measure
-        self._timer, self._known = timer, known
+        self._timer, self._known, self._one = timer, known, known.constant(1.0)
 
     @functools.cached_property
     def _forms(self) -> LoadForms:
         return load_forms(self.kind, self._unknowns.space, self._unknowns.state, self._kin, self._measure)
 
     def tangent(self, internal: Any) -> Any:
-        """UFL tangent of internal force and load, once they are compiled."""
+        """UFL tangent of internal force and load, after `compile`, which finds out if the load is conservative."""
         space, state = self._unknowns.space, self._unknowns.state
         return load_tangent(internal, self._forms, self.kind, self.conservative, space, state, self.factor)
 
@@ -83,8 +83,7 @@ class Load:
     def area(self) -> float:
         """Unloaded area of the loaded surface, mm^2."""
         with self._timer("compile"):
-            one = self._known.constant(1.0)
-            form = self._known.compile("loaded area", lambda: one * self._kin.measure * self._measure)
+            form = self._known.compile("loaded area", lambda: self._one * self._kin.measure * self._measure)
         return compat.assemble_scalar(form, self._unknowns.comm)
 
     @property

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import ffcx
 import numpy as np
 import ufl
 from dolfinx import cpp, fem, jit, la
@@ -131,17 +132,29 @@ def parts_of(
     }
 
 
-def form_of_parts(
-    name: str, parts: Mapping[str, list[Any]], tags: Mapping[str, Any], mesh: dmesh.Mesh, options: dict[str, Any]
-) -> Any:
-    """The form of a module in the cache, made as `dolfinx.fem.form` does; None if the module is not there."""
+def compiler_settings(options: dict[str, Any]) -> str:
+    """All options of the compilers, the user's own files of them included."""
+    settings = {key: value for key, value in jit_settings(options).items() if key != "cache_dir"}
+    return repr((settings, ffcx.get_parameters({})))
+
+
+def module_of(name: str, options: dict[str, Any]) -> Any:
+    """A module of compiled forms in the cache; None if it is not there, or cannot be loaded."""
     file = Path(jit_settings(options)["cache_dir"]) / f"{name}{importlib.machinery.EXTENSION_SUFFIXES[0]}"
-    if not file.with_name(f"{name}.c.cached").exists() or not file.exists():
+    if not file.with_name(f"{name}.c.cached").exists():
         return None
     spec = importlib.util.spec_from_file_location(name, file)
     assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    try:
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+    except (ImportError, OSError):
+        return None
+    return module
+
+
+def form_of_parts(module: Any, parts: Mapping[str, list[Any]], tags: Mapping[str, Any], mesh: dmesh.Mesh) -> Any:
+    """The form of a module, made as `dolfinx.fem.form` does; every rank calls."""
     (form,) = (getattr(module.lib, key) for key in dir(module.lib) if key.startswith("form_"))
     functions = [
         parts["functions"][form.original_coefficient_position[i]]._cpp_object for i in range(form.num_coefficients)

@@ -9,6 +9,7 @@ dolfinx that makes no form of such parts (`solvers.compat.dolfinx_09`) every for
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import json
@@ -34,6 +35,7 @@ stack: Any = _of_version
 _ROOT = Path(__file__).resolve().parents[2]
 # Folders whose files decide how a problem's forms are written.
 _WRITES_FORMS = ("solvers", "analytical/laws")
+_KINDS = ("spaces", "functions", "constants")
 
 
 class KnownForms:
@@ -91,9 +93,13 @@ class KnownForms:
         """
         if self._decides is None or not stack.TAKES_PARTS:
             return compile_form(build())
-        found = self._find(self._records.get(name))
-        if self.mesh.comm.allreduce(found is not None, op=MPI.LAND):
-            return found
+        record = self._records.get(name)
+        fits = record is not None and self._fits(record)
+        module = stack.module_of(record["module"], JIT) if record is not None and fits else None
+        # to make a form may be collective: not before all have it
+        if self.mesh.comm.allreduce(module is not None, op=MPI.LAND):
+            assert record is not None
+            return self._made_of(module, record)
         form = build()
         compiled = compile_form(form)
         record = stack.parts_of(form, JIT, self._place, self._tags)
@@ -107,21 +113,20 @@ class KnownForms:
         assert number is not None, f"{part} is in a form and was not taken"
         return number, _like(part)
 
-    def _find(self, record: Mapping[str, Any] | None) -> Any:
-        """The form that a record names; None if it is not there, or made of other parts."""
-        if record is None:
-            return None
-        places = [place for kind in ("spaces", "functions", "constants") for place in record[kind]]
-        if any(i >= len(self._parts) or _like(self._parts[i]) != like for i, like in places):
-            return None
-        parts = {kind: [self._parts[i] for i, _ in record[kind]] for kind in ("spaces", "functions", "constants")}
-        tags = {kind: self._tags[kind] for kind in record["tags"]}
-        return stack.form_of_parts(record["module"], parts, tags, self.mesh, JIT)
+    def _fits(self, record: Mapping[str, Any]) -> bool:
+        """True if the parts that a record names are there and of the same kinds."""
+        places = [place for kind in _KINDS for place in record[kind]]
+        return all(i < len(self._parts) and _like(self._parts[i]) == like for i, like in places)
+
+    def _made_of(self, module: Any, record: Mapping[str, Any]) -> Any:
+        """The form of a module; every rank calls."""
+        parts = {kind: [self._parts[i] for i, _ in record[kind]] for kind in _KINDS}
+        return stack.form_of_parts(module, parts, {kind: self._tags[kind] for kind in record["tags"]}, self.mesh)
 
     @functools.cached_property
     def _file(self) -> Path:
         cell = self.mesh.ufl_domain().ufl_coordinate_element()
-        decides = (_versions(), _source(), repr(JIT), repr(cell), self._decides)
+        decides = (_versions(), _SOURCE, stack.compiler_settings(JIT), repr(cell), self._decides)
         return _folder() / f"forms_{hashlib.sha256(repr(decides).encode()).hexdigest()[:32]}.json"
 
     @functools.cached_property
@@ -135,14 +140,17 @@ class KnownForms:
             return {}
 
     def _write(self, name: str, record: Mapping[str, Any]) -> None:
-        """Add a record; processes may come at once, and where nothing can be written the form is built again."""
-        text = json.dumps({**self._read(), name: record})
-        try:
-            with tempfile.NamedTemporaryFile("w", dir=self._file.parent, delete=False, encoding="utf-8") as stream:
-                stream.write(text)
-            os.replace(stream.name, self._file)
-        except OSError:
+        """Add a record, unless the source was edited since this process began.
+
+        Of processes that come at once the last one's records stay; what is not kept is written again next time.
+        """
+        if _hash_of_source() != _SOURCE:
             return
+        text = json.dumps({**self._read(), name: record})
+        with contextlib.suppress(OSError), tempfile.TemporaryDirectory(dir=self._file.parent) as folder:
+            whole = Path(folder) / self._file.name
+            whole.write_text(text, encoding="utf-8")
+            os.replace(whole, self._file)
 
 
 def _folder() -> Path:
@@ -163,11 +171,14 @@ def _versions() -> tuple[str, ...]:
     return tuple(str(of.__version__) for of in (dolfinx, ufl, ffcx, basix, np))
 
 
-@functools.cache
-def _source() -> str:
-    """Hash of the files that write forms."""
+def _hash_of_source() -> str:
+    """Of the files that write forms."""
     hashed = hashlib.sha256()
     for folder in _WRITES_FORMS:
         for file in sorted((_ROOT / folder).rglob("*.py")):
             hashed.update(f"{file.relative_to(_ROOT)}\n".encode() + file.read_bytes())
     return hashed.hexdigest()
+
+
+# Of what this process runs: taken before anything can be edited under it.
+_SOURCE = _hash_of_source()

@@ -21,12 +21,12 @@ from solvers.energy.ogden import FIT_RANGE, power_trace, trace_derivatives
 from solvers.errors import SolverError
 
 Derivatives = dict[tuple[int, int], Any]
-Constant = Callable[[Any], Any]
+MakeConstant = Callable[[Any], Any]
 
 
 @dataclass(frozen=True)
 class CompiledLaw:
-    """A law bound to a mesh.
+    """A law in UFL, its numbers constants of a mesh.
 
     Attributes
     ----------
@@ -45,8 +45,8 @@ class CompiledLaw:
 
 
 @singledispatch
-def compile_law(law: Law, constant: Constant) -> CompiledLaw:
-    """Bind a material law to a mesh; a new law registers what does it (docs/architecture.md).
+def compile_law(law: Law, constant: MakeConstant) -> CompiledLaw:
+    """Write a material law in UFL; a new law registers what does it (docs/architecture.md).
 
     Parameters
     ----------
@@ -73,26 +73,28 @@ def compile_law(law: Law, constant: Constant) -> CompiledLaw:
 
 def is_written_here(law: Law) -> bool:
     """True of a law of this project that this file writes, so that its source is known."""
-    return type(law).__module__.startswith("analytical.") and compile_law.dispatch(type(law)).__module__ == __name__
+    return (
+        type(law).__module__.startswith("analytical.laws.") and compile_law.dispatch(type(law)).__module__ == __name__
+    )
 
 
 @compile_law.register
-def _(law: NeoHooke, constant: Constant) -> CompiledLaw:
+def _(law: NeoHooke, constant: MakeConstant) -> CompiledLaw:
     return _polynomial((0.5 * law.mu_mpa,), constant)
 
 
 @compile_law.register
-def _(law: Yeoh, constant: Constant) -> CompiledLaw:
+def _(law: Yeoh, constant: MakeConstant) -> CompiledLaw:
     return _polynomial(tuple(law.c_mpa), constant)
 
 
 @compile_law.register
-def _(law: ArrudaBoyce, constant: Constant) -> CompiledLaw:
+def _(law: ArrudaBoyce, constant: MakeConstant) -> CompiledLaw:
     return _polynomial(law.c_mpa, constant)
 
 
 @compile_law.register
-def _(law: Gent, constant: Constant) -> CompiledLaw:
+def _(law: Gent, constant: MakeConstant) -> CompiledLaw:
     """``W = -mu J/2 ln(1 - (I1 - 3)/J)``."""
     mu, limit = constant(law.mu_mpa), constant(law.limit)
 
@@ -107,7 +109,7 @@ def _(law: Gent, constant: Constant) -> CompiledLaw:
 
 
 @compile_law.register
-def _(law: MooneyRivlin, constant: Constant) -> CompiledLaw:
+def _(law: MooneyRivlin, constant: MakeConstant) -> CompiledLaw:
     """``W = C10 x + C01 y + C11 x y + C20 x^2 + C02 y^2``, x = I1 - 3, y = I2 - 3; one compilation for any of them."""
     c10, c01, c11, c20, c02 = constant(law.constants_mpa)
 
@@ -126,7 +128,7 @@ def _(law: MooneyRivlin, constant: Constant) -> CompiledLaw:
     return CompiledLaw(derivatives, True, (np.inf, np.inf))
 
 
-def _polynomial(coefficients: tuple[float, ...], constant: Constant) -> CompiledLaw:
+def _polynomial(coefficients: tuple[float, ...], constant: MakeConstant) -> CompiledLaw:
     c = constant(coefficients)
 
     @cache
@@ -144,12 +146,12 @@ def _polynomial(coefficients: tuple[float, ...], constant: Constant) -> Compiled
 
 
 @compile_law.register
-def _(law: Ogden, constant: Constant) -> CompiledLaw:
+def _(law: Ogden, constant: MakeConstant) -> CompiledLaw:
     return CompiledLaw(_power(law.alpha, law.prefactor_mpa, constant), True, _POWER_LIMITS)
 
 
 @compile_law.register
-def _(law: OgdenSeries, constant: Constant) -> CompiledLaw:
+def _(law: OgdenSeries, constant: MakeConstant) -> CompiledLaw:
     terms = [_power(alpha, k, constant) for alpha, k in zip(law.alpha, law.prefactors_mpa, strict=True)]
 
     @cache
@@ -165,7 +167,7 @@ def _(law: OgdenSeries, constant: Constant) -> CompiledLaw:
 _POWER_LIMITS = (FIT_RANGE[1], 1.0 / FIT_RANGE[0])
 
 
-def _power(alpha: float, prefactor_mpa: float, constant: Constant) -> Callable[[Any, Any], Derivatives]:
+def _power(alpha: float, prefactor_mpa: float, constant: MakeConstant) -> Callable[[Any, Any], Derivatives]:
     """``k (sum lambda_i^alpha - 3)`` and its derivatives."""
     shape = power_trace(alpha)
     prefactor, rest = constant(prefactor_mpa), constant(shape.constant)
@@ -180,7 +182,7 @@ def _power(alpha: float, prefactor_mpa: float, constant: Constant) -> Callable[[
 
 
 @compile_law.register
-def _(law: Guccione, constant: Constant) -> CompiledLaw:
+def _(law: Guccione, constant: MakeConstant) -> CompiledLaw:
     """``W = C/2 (exp(Q) - 1)``, ``Q = b E:E = b/4 (I1^2 - 2 I2 - 2 I1 + 3)``, of the isochoric part of the strain."""
     c, b = constant(law.c_mpa), constant(law.b)
 

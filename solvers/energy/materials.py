@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.energy.laws import CompiledLaw, Constant, Law, compile_law
+from solvers.energy.laws import CompiledLaw, Law, MakeConstant, compile_law
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Part:
     number
         Of the cells.
     law, inverse_kappa
-        The law bound to the mesh, and 1/kappa as a UFL constant.
+        The law in UFL, and 1/kappa as a UFL constant.
     measure
         Cell measure of the part, quadrature degree included.
     field
@@ -43,7 +43,7 @@ class Part:
 
 
 def compile_parts(
-    materials: Mapping[int, Material], constant: Constant, measures: Mapping[int, Any], fields: Sequence[int]
+    materials: Mapping[int, Material], constant: MakeConstant, measures: Mapping[int, Any], fields: Sequence[int]
 ) -> tuple[Part, ...]:
     """The parts of a mesh; numbers of materials are UFL constants, so that new ones need no compilation.
 

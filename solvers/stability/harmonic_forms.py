@@ -39,7 +39,7 @@ from solvers.assembly.surfaces import SOFT, STIFF
 from solvers.discrete.domain import FloatArray
 from solvers.discrete.kinematics import Kinematics
 from solvers.energy.forms import invariants, soft_stress_increment, stiff_stress_increment
-from solvers.energy.laws import CompiledLaw, Constant
+from solvers.energy.laws import CompiledLaw, MakeConstant
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class Wave:
         return np.column_stack([a, c, s - float(self.blend.value) * a])
 
 
-def new_wave(constant: Constant) -> Wave:
+def new_wave(constant: MakeConstant) -> Wave:
     """Constants, set to m = 0; ``constant`` makes them."""
     wave = Wave(*(constant(0.0) for _ in range(3)))
     wave.set(0)

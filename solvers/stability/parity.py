@@ -127,7 +127,8 @@ class ParityTangent:
     Raises
     ------
     SolverError
-        If the pressure is continuous, the load not conservative, or something touches.
+        If the pressure is continuous, the load not conservative, or bodies have other motions than in the symmetric
+        class; `take_state` if something may touch.
     """
 
     conservative = True
@@ -142,16 +143,19 @@ class ParityTangent:
             raise SolverError(
                 "parity classes need a conservative load: the tangent of this one has no inertia to count"
             )
-        if problem.contact is not None:
-            raise SolverError("parity classes do not know contact: count on the whole body")
+        symmetric = symmetric_class(classes[0].planes)
+        if problem.bonded is not None and tuple(problem.bonded.motions) != symmetric.motions:
+            raise SolverError(
+                f"parity classes need bodies with the motions {symmetric.motions} of the symmetric one, got "
+                f"{tuple(problem.bonded.motions)}"
+            )
         self.problem, self.comm, self.timer, self.owned = problem, problem.comm, problem.timer, problem.owned
         bodies = 0 if problem.bonded is None else problem.bonded.count
         self.motions = max((len(c.motions) for c in classes), default=0) if bodies else 0
         self.extra = bodies * self.motions
         self._bonded = bonded_dofs(problem.domain, problem.space, 3, bodies)
         self._border = Border(problem.space, self._bonded, self.motions)
-        symmetric = symmetric_class(classes[0].planes).held
-        self._by_others = tuple(pair for pair in problem.surfaces.held if pair not in symmetric)
+        self._by_others = tuple(pair for pair in problem.surfaces.held if pair not in symmetric.held)
         self._solid: PETSc.Mat | None = None
         self._held_in_all = self._supports_of(())
         self._supports = {c.name: self._supports_of(c.held) for c in classes}
@@ -168,6 +172,8 @@ class ParityTangent:
 
     def take_state(self, like: PETSc.Mat) -> None:
         """Assemble at the problem's current state what the classes share, in a matrix like that of `new_matrix`."""
+        if self.problem.contact is not None:
+            raise SolverError("parity classes do not know contact: count on the whole body")
         if self._solid is None:
             self._solid = like.duplicate()
             self._solid.setOption(PETSc.Mat.Option.IGNORE_ZERO_ENTRIES, True)
@@ -270,6 +276,8 @@ class ParityFactor(Factor):
 
     def unstable_modes(self) -> int | None:
         """Unstable modes of the whole body about the current state, whose symmetric tangent was factored last.
+
+        Then the last class's is.
 
         Raises
         ------
