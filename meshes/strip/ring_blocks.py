@@ -52,7 +52,8 @@ def with_ring_blocks(meridian: SolidMesh, ring: RingShape, refinement: int) -> S
         If the rounding does not fit the section.
     """
     bond = meridian.facet_tags == FACETS["bond"]
-    middle = _edge_middles(meridian)
+    at_seats = np.isin(meridian.cells[:, :4], meridian.facets[bond]).sum(axis=1) > 1
+    middle = _edge_middles(meridian.cells[at_seats])
     points, cells = [meridian.points], [meridian.cells]
     edges: list[IntArray] = []
     count = len(meridian.points)
@@ -140,10 +141,10 @@ def _seat(meridian: SolidMesh, edges: IntArray, middle: dict[frozenset[int], int
     return np.array(nodes)
 
 
-def _edge_middles(meridian: SolidMesh) -> dict[frozenset[int], int]:
-    """Node in the middle of each edge of nine-node quadrilaterals, by its corners."""
+def _edge_middles(cells: IntArray) -> dict[frozenset[int], int]:
+    """Node in the middle of each edge of nine-node quadrilaterals (m, 9), by its corners."""
     table = {}
     for (a, b), m in zip(((0, 1), (0, 2), (1, 3), (2, 3)), (4, 5, 6, 7), strict=True):
-        for low, high, node in meridian.cells[:, [a, b, m]]:
+        for low, high, node in cells[:, [a, b, m]]:
             table[frozenset((int(low), int(high)))] = int(node)
     return table

@@ -1,4 +1,4 @@
-"""Compiled forms found again without being built in UFL, which takes a fifth of a small problem's time.
+"""Compiled forms found again without being built in UFL, which takes a tenth of a small scene's time.
 
 dolfinx finds a compiled form by the signature of its UFL expression, which has to be built for that, from the law's
 derivatives on. What is built follows from this project's source, the versions of the stack and what the problem is made
